@@ -65,9 +65,10 @@ struct jp_patrol_mission_internal {
     bool is_searching; /**< the grid planner is at work */
     uint8_t trial;     /**< of the clearances to try */
     struct jp_plane_pose target;
-    uint16_t waited;  /**< cycles without a free path */
-    bool is_detour;   /**< a path around where people walk is looked for */
-    float detour_due; /**< after so much standing for people, s */
+    uint16_t waited;        /**< cycles without a free path */
+    bool is_detour;         /**< a path around where people walk is looked for */
+    float detour_clearance; /**< of it from there, m */
+    float detour_due;       /**< after so much standing for people, s */
     bool is_watch_due;
 };
 

@@ -361,7 +361,8 @@ static void seek(struct jp_patrol_mission *mission, const struct jp_plane_pose *
 static void end_detour(struct jp_patrol_mission *mission)
 {
     if (mission->internal.is_detour) {
-        jp_patrol_clear_trodden(&mission->patrol, mission->config.map, &mission->internal.marked);
+        jp_patrol_clear_trodden(&mission->patrol, mission->config.map, mission->internal.detour_clearance,
+                                &mission->internal.marked);
         mission->internal.is_detour = false;
         mission->internal.detour_due = jp_plane_larger(DETOUR_FACTOR * mission->patrol.internal.yielded, DETOUR_WAIT);
     }
@@ -372,6 +373,17 @@ static void plan(struct jp_patrol_mission *mission)
     end_detour(mission);
     mission->internal.leg = JP_LEG_GOAL;
     seek(mission, &mission->internal.goal);
+}
+
+/* With a clearance from where people walk. */
+static void seek_detour(struct jp_patrol_mission *mission, float clearance)
+{
+    const struct jp_plane_pose target = mission->internal.target;
+
+    jp_patrol_occupy_trodden(&mission->patrol, &target, clearance, &mission->internal.marked);
+    seek(mission, &target);
+    mission->internal.is_detour = true;
+    mission->internal.detour_clearance = clearance;
 }
 
 /* Whether the path comes to its end in the heading that is asked for there; on the spot that is the robot's own. */
@@ -443,7 +455,11 @@ static void end_search(struct jp_patrol_mission *mission, enum finding finding)
 
     if (mission->internal.is_detour && finding != FOUND) {
         end_detour(mission);
-        mission->state = state_of(mission);
+        if (mission->internal.detour_clearance > 0.0f) {
+            seek_detour(mission, 0.0f);
+        } else {
+            mission->state = state_of(mission);
+        }
         return;
     }
     end_detour(mission);
@@ -477,6 +493,7 @@ enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const 
     mission->internal.goal = *goal;
     mission->replans = 0;
     mission->internal.waited = 0;
+    mission->internal.detour_due = DETOUR_WAIT;
     plan(mission);
     return JP_OK;
 }
@@ -540,15 +557,6 @@ static bool is_detour_due(struct jp_patrol_mission *mission)
            (mission->internal.leg == JP_LEG_GOAL || mission->internal.leg == JP_LEG_APPROACH) && !is_near(mission);
 }
 
-static void seek_detour(struct jp_patrol_mission *mission)
-{
-    const struct jp_plane_pose target = mission->internal.target;
-
-    jp_patrol_occupy_trodden(&mission->patrol, &target, &mission->internal.marked);
-    seek(mission, &target);
-    mission->internal.is_detour = true;
-}
-
 static void drive_in(struct jp_patrol_mission *mission)
 {
     mission->internal.leg = JP_LEG_LAST;
@@ -568,7 +576,7 @@ static void follow_up(struct jp_patrol_mission *mission, const struct jp_patrol_
         wait(mission, input);
     } else if (is_detour_due(mission)) {
         mark(mission, input);
-        seek_detour(mission);
+        seek_detour(mission, mission->config.patrol.people.clearance);
     } else {
         mission->internal.waited = 0;
     }

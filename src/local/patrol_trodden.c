@@ -66,6 +66,7 @@ struct brush {
     const struct jp_terrain *given; /* null: occupied */
     const struct jp_plane_pose *kept[2];
     float reach;
+    float clearance; /* around a place, m */
 };
 
 static bool is_kept(const struct brush *brush, float x, float y)
@@ -81,15 +82,17 @@ static bool is_kept(const struct brush *brush, float x, float y)
 static void paint(const struct brush *brush, const struct jp_patrol_trodden *place, struct jp_terrain *marked)
 {
     const float cell = jp_patrol_cell(marked);
-    const int32_t right = jp_patrol_cell_at(marked, place->place.x + place->radius);
-    const int32_t top = jp_patrol_cell_at(marked, place->place.y + place->radius);
+    const float radius = place->radius + brush->clearance;
+    const int32_t left = jp_patrol_cell_at(marked, place->place.x - radius);
+    const int32_t right = jp_patrol_cell_at(marked, place->place.x + radius);
+    const int32_t top = jp_patrol_cell_at(marked, place->place.y + radius);
 
-    for (int32_t row = jp_patrol_cell_at(marked, place->place.y - place->radius); row <= top; row++) {
-        for (int32_t column = jp_patrol_cell_at(marked, place->place.x - place->radius); column <= right; column++) {
+    for (int32_t row = jp_patrol_cell_at(marked, place->place.y - radius); row <= top; row++) {
+        for (int32_t column = left; column <= right; column++) {
             const float x = ((float)column + 0.5f) * cell;
             const float y = ((float)row + 0.5f) * cell;
 
-            if (!is_kept(brush, x, y)) {
+            if (jp_plane_length(x - place->place.x, y - place->place.y) <= radius && !is_kept(brush, x, y)) {
                 (void)jp_terrain_set_cell(marked, column, row,
                                           brush->given == NULL ? JP_CELL_OCCUPIED
                                                                : jp_terrain_cell(brush->given, column, row));
@@ -109,20 +112,22 @@ static void paint_all(const struct jp_patrol *patrol, const struct brush *brush,
     }
 }
 
-void jp_patrol_occupy_trodden(const struct jp_patrol *patrol, const struct jp_plane_pose *goal,
+void jp_patrol_occupy_trodden(const struct jp_patrol *patrol, const struct jp_plane_pose *goal, float clearance,
                               struct jp_terrain *marked)
 {
     const struct jp_footprint *const footprint = &patrol->config.teb.footprint;
     const struct brush brush = {
         .kept = {&patrol->pose, goal},
-        .reach = ROOM + jp_plane_length(jp_plane_larger(footprint->front, footprint->rear), footprint->half_width)};
+        .reach = ROOM + jp_plane_length(jp_plane_larger(footprint->front, footprint->rear), footprint->half_width),
+        .clearance = clearance};
 
     paint_all(patrol, &brush, marked);
 }
 
-void jp_patrol_clear_trodden(const struct jp_patrol *patrol, const struct jp_terrain *given, struct jp_terrain *marked)
+void jp_patrol_clear_trodden(const struct jp_patrol *patrol, const struct jp_terrain *given, float clearance,
+                             struct jp_terrain *marked)
 {
-    const struct brush brush = {.given = given};
+    const struct brush brush = {.given = given, .clearance = clearance};
 
     paint_all(patrol, &brush, marked);
 }
