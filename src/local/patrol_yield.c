@@ -204,9 +204,10 @@ static float clearance_at(const struct jp_patrol *patrol, float speed)
     return patrol->config.people.clearance * jp_plane_clamp(share, 0.0f, 1.0f);
 }
 
-static bool is_stander(const struct jp_patrol *patrol, const struct jp_mover *mover)
+/* Of those who are nobody who may walk on. */
+static bool is_stander(const struct jp_mover *mover)
 {
-    return mover->pace > 0.0f && !is_person(patrol, mover) && mover->misses == 0U;
+    return mover->pace > 0.0f && mover->misses == 0U;
 }
 
 /* How near it may come to who stays, and how near it does; creeping, as near as to any thing. */
@@ -246,7 +247,7 @@ static void look_at(const struct jp_patrol *patrol, const struct jp_plane_pose *
                  distance < jp_obstacle_distance(footprint, &patrol->pose, &place, NULL) - NEARER)) {
                 outlook->is_free = false;
             }
-        } else if (is_stander(patrol, &patrol->movers.movers[i])) {
+        } else if (is_stander(&patrol->movers.movers[i])) {
             look_at_stander(patrol, &patrol->movers.movers[i], pose, speed, outlook);
         } else {
             /* A thing. */

@@ -465,7 +465,7 @@ static void test_it_brakes_in_time_for_the_goal(void)
     TEST_ASSERT_TRUE(patrol.internal.is_arriving);
 }
 
-/* Slower, or beside the goal by more than its tolerance, it drives on. */
+/* Slower, beside the goal by more than its tolerance, or away from it, it drives on. */
 static void test_it_does_not_brake_too_soon(void)
 {
     config.latency = 0.1f;
@@ -481,6 +481,12 @@ static void test_it_does_not_brake_too_soon(void)
     patrol.pose = robot;
     rig_sense();
     input.speed = (struct jp_plane_speed){0.4f, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    TEST_ASSERT_FALSE(patrol.internal.is_arriving);
+    robot.y = 0.0f;
+    patrol.pose = robot;
+    rig_sense();
+    input.speed = (struct jp_plane_speed){-0.4f, 0.0f};
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
     TEST_ASSERT_FALSE(patrol.internal.is_arriving);
 }

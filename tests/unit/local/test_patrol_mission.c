@@ -713,6 +713,33 @@ static void test_who_has_hardly_waited_does_not(void)
     TEST_ASSERT_EQUAL_INT(JP_MISSION_PLANNING, mission.state);
 }
 
+static void test_on_its_way_to_an_approach_it_goes_around_people_too(void)
+{
+    begin_among_people();
+    mission.internal.leg = JP_LEG_APPROACH;
+    stand_for_somebody(20.0f);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_PLANNING, mission.state);
+}
+
+/* Driving, on the straight way into the goal, on the way to a halt, and near its target. */
+static void test_when_it_does_not_go_around_people(void)
+{
+    begin_among_people();
+    mission.patrol.internal.yielded = 20.0f;
+    cycle();
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_UNDER_WAY, mission.state);
+    mission.internal.leg = JP_LEG_LAST;
+    stand_for_somebody(20.0f);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_UNDER_WAY, mission.state);
+    mission.internal.leg = JP_LEG_PAUSE;
+    stand_for_somebody(20.0f);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_UNDER_WAY, mission.state);
+    mission.internal.leg = JP_LEG_GOAL;
+    mission.internal.target = mission.patrol.pose;
+    stand_for_somebody(20.0f);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_UNDER_WAY, mission.state);
+}
+
 /* It takes longer than what has been waited, and is asked for again only after half as long again. */
 static void test_a_way_around_that_takes_longer_than_the_wait_is_not_taken(void)
 {
