@@ -98,6 +98,10 @@ enum jp_status jp_patrol_mission_init(struct jp_patrol_mission *mission, const s
  * of range; then nothing changes. */
 enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const struct jp_plane_pose *goal);
 
+/** Forgets what scans have marked: who stood there may have gone. JP_ERR_ARGUMENT: a null pointer. JP_ERR_STATE: the
+ *  state is PLANNING. Work: the cells of the map. */
+enum jp_status jp_patrol_mission_forget_marks(struct jp_patrol_mission *mission);
+
 /** Stops as fast as the wheels can and forgets the goal: IDLE. Constant time. */
 void jp_patrol_mission_stop(struct jp_patrol_mission *mission);
 

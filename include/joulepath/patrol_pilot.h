@@ -106,6 +106,10 @@ enum jp_status jp_patrol_pilot_surveyed(const struct jp_patrol_pilot *pilot, str
 /** Whether the robot's footprint is free on the map at a pose. Work: the cells under it. */
 bool jp_patrol_pilot_can_stand(const struct jp_patrol_pilot *pilot, const struct jp_plane_pose *pose);
 
+/** Forgets what scans have marked on the map. JP_ERR_ARGUMENT: a null pointer. JP_ERR_NO_PLAN: there is no map.
+ *  JP_ERR_STATE: it plans. Work: the cells of the map. */
+enum jp_status jp_patrol_pilot_forget_marks(struct jp_patrol_pilot *pilot);
+
 /** Stops as fast as the wheels can and forgets the goals. */
 void jp_patrol_pilot_stop(struct jp_patrol_pilot *pilot);
 

@@ -7,6 +7,9 @@
  *       ▲               ▲                          │  ▲                │
  *       └── set out ────┤                          │  └─── suffices ───┤
  *                       └──── HOMING ◀─────────────┴──── does not ─────┘
+ *                             │    ▲
+ *                no way now   ▼    │ after a while
+ *                             WAITING
  *
  * Before it leaves for a place p the robot takes what it foretells of the way there, of its stay, and of the way from p
  * to the charger, E ± σ, and goes home instead unless what the battery holds is at least
@@ -15,8 +18,11 @@
  *
  * where the deviations of the parts are added, as legs may err alike: 1.645 deviations are 95 %. So at each place the
  * way home was foretold to be paid for. On its way it turns home when what is left of the leg and the way home from its
- * end would no longer be. What each way takes is surveyed on the map before it sets out, and again at each charge, by
- * then with what was learned.
+ * end would no longer be; a stay that the way took too much for ends early. What each way takes is surveyed on the map
+ * before it sets out, and again at each charge, by then with what was learned.
+ *
+ * People may stand in its way. A place that it does not get to is left out; when it gets nowhere any more it waits for
+ * JP_ROUND_WAIT seconds, forgets what its scans have marked, and tries to get home, again and again.
  *
  * Single-precision floating point: part of libjoulepath_float. One context; not for ISRs.
  */
@@ -30,6 +36,9 @@ extern "C" {
 #endif
 
 #define JP_PATROL_STOPS_MAX 15U
+
+/** Who stands in the way is waited for, s. */
+#define JP_ROUND_WAIT 30.0f
 
 struct jp_patrol_stop {
     struct jp_plane_pose pose;
@@ -52,6 +61,7 @@ enum jp_patrol_round_state {
     JP_ROUND_LEAVING,  /**< to a place */
     JP_ROUND_DWELLING, /**< there */
     JP_ROUND_HOMING,   /**< to the charger */
+    JP_ROUND_WAITING,  /**< there is no way now, to the charger either; the reason is JP_ROUND_NO_WAY */
     JP_ROUND_FAILED    /**< see the reason */
 };
 
@@ -81,7 +91,7 @@ struct jp_patrol_round {
         uint16_t surveyed;  /* ways */
         bool is_asked;      /* for the next one */
         bool is_at_charger; /* else at the stop before */
-        float stayed;       /* s */
+        float stayed;       /* at a place, or waiting, s */
         uint16_t failures;  /* places in a row that were given up */
     } internal;
 };

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "sim/base/digital.h"
+#include "sim/scenes/patrol_scene.h"
 
 /* The sensor of the current, A. */
 #define CURRENT_STEP 0.005
@@ -15,11 +16,8 @@ bool patrol_body_init(struct patrol_body *body, const struct four_wheel_file *ro
     const struct planar_pose start = {(double)scene->start.x, (double)scene->start.y, (double)scene->start.heading};
 
     *body = (struct patrol_body){.robot = robot};
-    if (!patrol_world_init(&body->world, &scene->ground, robot->body.length_m, robot->body.width_m, &start)) {
+    if (!patrol_scene_enter(scene, robot, &body->world)) {
         return false;
-    }
-    for (size_t i = 0; i < scene->mover_count; i++) {
-        (void)patrol_world_add(&body->world, &scene->movers[i]);
     }
     four_wheel_plant_init(&body->plant, robot, &start);
     body->laser = laser_config_of(robot->laser.beams, robot->laser.field_deg * M_PI / 180, robot->laser.range_m,

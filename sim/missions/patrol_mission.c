@@ -428,16 +428,9 @@ static bool set_up_world(struct patrol_mission *m)
     const struct four_wheel_file *const robot = m->task->robot;
     const struct planar_pose start = to_planar(&m->task->scene->start);
 
-    if (!patrol_world_init(&m->world, &m->task->scene->ground, robot->body.length_m, robot->body.width_m, &start)) {
+    if (!patrol_scene_enter(m->task->scene, robot, &m->world)) {
         return false;
     }
-    for (size_t i = 0; i < m->task->scene->mover_count; i++) {
-        (void)patrol_world_add(&m->world, &m->task->scene->movers[i]);
-    }
-    for (size_t i = 0; i < m->task->scene->people_count; i++) {
-        (void)patrol_world_add_person(&m->world, &m->task->scene->people[i]);
-    }
-    m->world.deceleration = robot->drive.acceleration_m_s2;
     four_wheel_plant_init(&m->plant, robot, &start);
     patrol_energy_init(&m->energy, robot);
     if (m->task->faults.slip) {

@@ -556,6 +556,24 @@ void patrol_scene_free(struct patrol_scene *scene)
     scene->block = NULL;
 }
 
+bool patrol_scene_enter(const struct patrol_scene *scene, const struct four_wheel_file *robot,
+                        struct patrol_world *world)
+{
+    const struct planar_pose start = {(double)scene->start.x, (double)scene->start.y, (double)scene->start.heading};
+
+    if (!patrol_world_init(world, &scene->ground, robot->body.length_m, robot->body.width_m, &start)) {
+        return false;
+    }
+    for (size_t i = 0; i < scene->mover_count; i++) {
+        (void)patrol_world_add(world, &scene->movers[i]);
+    }
+    for (size_t i = 0; i < scene->people_count; i++) {
+        (void)patrol_world_add_person(world, &scene->people[i]);
+    }
+    world->deceleration = robot->drive.acceleration_m_s2;
+    return true;
+}
+
 /* ---- Maps of others ---- */
 
 static bool has_fitting_cells(const char *path, const struct map_file *map)

@@ -5,6 +5,7 @@
 #ifndef JOULEPATH_SIM_SCENES_PATROL_SCENE_H
 #define JOULEPATH_SIM_SCENES_PATROL_SCENE_H
 
+#include "sim/four_wheel/four_wheel_file.h"
 #include "sim/scenes/patrol_task.h"
 
 extern const char *const patrol_scene_names[PATROL_SCENES];
@@ -21,5 +22,10 @@ bool patrol_scene_load(const char *map_path, const struct planar_pose *start, co
                        struct patrol_scene *scene);
 
 void patrol_scene_free(struct patrol_scene *scene);
+
+/** The world of a scene: its ground, what moves, who walks, and the robot at its start. The scene stays in use. False
+ *  without memory. */
+bool patrol_scene_enter(const struct patrol_scene *scene, const struct four_wheel_file *robot,
+                        struct patrol_world *world);
 
 #endif

@@ -47,6 +47,7 @@ static void rest(const struct walker *walker, struct walker_state *state)
             turn_round(state);
         }
     } else if (!walker->stays || state->direction < 0) {
+        state->rests_until = state->time + walker->pause;
         turn_round(state);
     } else {
         state->rests_until = INFINITY;

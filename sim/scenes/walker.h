@@ -34,6 +34,7 @@ struct walker {
     double speed;                            /**< m/s; above 0 */
     double starts;                           /**< s */
     bool stays;                              /**< at `to`, for ever, instead of turning round there */
+    double pause;                            /**< at an end before it goes back, s */
     struct walker_act acts[WALKER_ACTS_MAX]; /**< in the order of their times */
     size_t act_count;
 };

@@ -181,6 +181,18 @@ enum jp_status jp_patrol_mission_init(struct jp_patrol_mission *mission, const s
     return divided;
 }
 
+enum jp_status jp_patrol_mission_forget_marks(struct jp_patrol_mission *mission)
+{
+    if (mission == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (mission->state == JP_MISSION_PLANNING) {
+        return JP_ERR_STATE;
+    }
+    copy_map(mission);
+    return JP_OK;
+}
+
 /* ---- Paths ---- */
 
 static float distance_to(const struct jp_patrol_mission *mission, const struct jp_plane_pose *target)

@@ -312,6 +312,14 @@ enum jp_status jp_patrol_pilot_follow(struct jp_patrol_pilot *pilot, const struc
     return status;
 }
 
+enum jp_status jp_patrol_pilot_forget_marks(struct jp_patrol_pilot *pilot)
+{
+    if (pilot == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    return pilot->has_map ? jp_patrol_mission_forget_marks(&pilot->mission) : JP_ERR_NO_PLAN;
+}
+
 /* Surveys. */
 
 enum jp_status jp_patrol_pilot_survey(struct jp_patrol_pilot *pilot, const struct jp_plane_pose *from,

@@ -64,6 +64,7 @@ static void begin_survey(struct jp_patrol_round *round)
     round->internal.is_asked = false;
     round->internal.is_at_charger = true;
     round->internal.pace = jp_patrol_pace_factor(&round->internal.pilot->ledger.pace, 1.0f);
+    (void)jp_patrol_pilot_forget_marks(round->internal.pilot);
 }
 
 enum jp_status jp_patrol_round_init(struct jp_patrol_round *round, const struct jp_patrol_round_config *config,
@@ -164,6 +165,12 @@ static float bound_of(const struct jp_patrol_round *round, const struct jp_patro
     return pace_since(round) * (forecast->energy + round->internal.config.deviations * forecast->deviation);
 }
 
+/** From the stop. */
+static float needed_home(const struct jp_patrol_round *round, uint16_t stop)
+{
+    return round->internal.config.reserve + bound_of(round, &round->internal.home[stop]);
+}
+
 /** To the stop, there, and home again. */
 static float needed_for(const struct jp_patrol_round *round, uint16_t stop)
 {
@@ -171,8 +178,7 @@ static float needed_for(const struct jp_patrol_round *round, uint16_t stop)
     const struct jp_patrol_leg_forecast *leg =
         round->internal.is_at_charger ? &round->internal.out[stop] : &round->internal.onward[stop];
 
-    return config->reserve + bound_of(round, leg) + config->standing_power * config->stops[stop].dwell +
-           bound_of(round, &round->internal.home[stop]);
+    return bound_of(round, leg) + config->standing_power * config->stops[stop].dwell + needed_home(round, stop);
 }
 
 /** On the way to a stop: what is left of it, and home from there. */
@@ -184,8 +190,7 @@ static bool must_turn_back(const struct jp_patrol_round *round, float available)
     if (jp_patrol_pilot_progress(round->internal.pilot, &length, &left) != JP_OK) {
         return false;
     }
-    return available < round->internal.config.reserve + bound_of(round, &left) +
-                           bound_of(round, &round->internal.home[round->stop]);
+    return available < bound_of(round, &left) + needed_home(round, round->stop);
 }
 
 /* Legs. */
@@ -244,6 +249,7 @@ static bool has_reached(const struct jp_patrol_round *round)
 static void arrive(struct jp_patrol_round *round, float available)
 {
     round->internal.failures = 0;
+    round->reason = JP_ROUND_NO_REASON;
     if (round->state == JP_ROUND_LEAVING) {
         round->internal.is_at_charger = false;
         round->internal.stayed = 0.0f;
@@ -256,16 +262,32 @@ static void arrive(struct jp_patrol_round *round, float available)
     }
 }
 
+static void wait(struct jp_patrol_round *round)
+{
+    round->state = JP_ROUND_WAITING;
+    round->reason = JP_ROUND_NO_WAY;
+    round->internal.stayed = 0.0f;
+}
+
+static void try_again(struct jp_patrol_round *round, float seconds)
+{
+    round->internal.stayed += seconds;
+    if (round->internal.stayed >= JP_ROUND_WAIT) {
+        (void)jp_patrol_pilot_forget_marks(round->internal.pilot);
+        go_home(round);
+    }
+}
+
 /** A place that cannot be reached now, as somebody stands in the way, is left out; home is tried again. */
 static void pass_over(struct jp_patrol_round *round, float available)
 {
     const bool is_home = round->state == JP_ROUND_HOMING;
 
-    round->internal.failures++;
+    round->internal.failures = jp_one_more16(round->internal.failures);
     if (jp_four_wheel_robot_state_now(round->internal.pilot->internal.robot) == JP_FOUR_WHEEL_ROBOT_IDLE) {
         fail(round, JP_ROUND_DRIVES_OFF);
     } else if (round->internal.failures > round->internal.config.stop_count) {
-        fail(round, JP_ROUND_NO_WAY);
+        wait(round);
     } else if (is_home || available < needed_for(round, next_stop(round))) {
         go_home(round);
     } else {
@@ -291,7 +313,9 @@ static void drive(struct jp_patrol_round *round, float available)
 static void dwell(struct jp_patrol_round *round, float available, float seconds)
 {
     round->internal.stayed += seconds;
-    if (round->internal.stayed >= round->internal.config.stops[round->stop].dwell) {
+    if (available < needed_home(round, round->stop)) {
+        go_home(round);
+    } else if (round->internal.stayed >= round->internal.config.stops[round->stop].dwell) {
         leave_for(round, next_stop(round), available);
     }
 }
@@ -311,6 +335,9 @@ enum jp_patrol_round_state jp_patrol_round_work(struct jp_patrol_round *round, f
         break;
     case JP_ROUND_DWELLING:
         dwell(round, available, seconds);
+        break;
+    case JP_ROUND_WAITING:
+        try_again(round, seconds);
         break;
     case JP_ROUND_FAILED:
     default:

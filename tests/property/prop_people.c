@@ -121,6 +121,25 @@ static void test_acts_come_in_time(void)
     check_near(0, state.speed, 1e-9, "speed there, m/s");
 }
 
+static void test_a_pause_at_each_end(void)
+{
+    const struct walker walker = {.to = {3, 0}, .radius = RADIUS, .speed = 1, .pause = 2};
+    struct walker_state state;
+
+    walker_begin(&walker, &state);
+    walk_for(&walker, &state, 3.6); /* there after 3.5 s */
+    check_near(3, state.along, 0.02, "at the end, m");
+    TEST_ASSERT_EQUAL_INT(-1, state.direction);
+    walk_for(&walker, &state, 1.8);
+    check_near(3, state.along, 0.02, "before the pause is over, m");
+    walk_for(&walker, &state, 3.7); /* back after 9 s */
+    check_near(0, state.along, 0.02, "back, m");
+    walk_for(&walker, &state, 1.8);
+    check_near(0, state.along, 0.02, "in the pause there, m");
+    walk_for(&walker, &state, 1.2);
+    TEST_ASSERT_TRUE(state.speed > 0);
+}
+
 static void test_who_is_blocked_turns_round_after_a_while(void)
 {
     const struct walker walker = {.to = {6, 0}, .radius = RADIUS, .speed = 1};

@@ -24,17 +24,14 @@ def courier24():
     return robot_json.from_text("courier24", robot_text("courier24"))
 
 
-def make_tables(directory):
-    for robot in ROBOTS:
-        result = run_tool("design.learning", robot, "--robot-json", write_robot(directory, robot), "--tables",
-                          directory)
+@pytest.fixture
+def made(robot, tmp_path_factory):
+    """The robot's tables, made anew."""
+    def make_tables(directory):
+        result = run_tool("design.learning", robot, "--robot-json", write_robot(directory, robot), "--tables", directory)
         assert result.returncode == 0, result.stderr
 
-
-@pytest.fixture(scope="session")
-def made(tmp_path_factory):
-    """The tables of both robots, made anew."""
-    return once(tmp_path_factory, "learning_tables", make_tables)
+    return once(tmp_path_factory, f"learning_tables_{robot}", make_tables)
 
 
 def write_robot(directory, robot, **groups):

@@ -115,6 +115,12 @@ bench-patrol-round: ## measure hours of patrol on a battery: three simulated hou
 	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_patrol_round
 	$(BUILD)/bench/bench_patrol_round --rows $(BUILD)/bench/patrol_round_rows.json >$(BUILD)/bench/bench_patrol_round.json
 
+.PHONY: bench-patrol-day
+bench-patrol-day: ## measure a day of patrol: two robots, 24 simulated hours each among people (ten minutes)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_patrol_day
+	$(BUILD)/bench/bench_patrol_day --rows $(BUILD)/bench/patrol_day_rows.json >$(BUILD)/bench/bench_patrol_day.json
+
 # Not among the figures: it takes too long. Another number of drives, from another seed on: DRIVES='300 1'.
 .PHONY: drive-people
 drive-people: ## drive the patrol robot 10 000 times among people who do not look (DRIVES='number first-seed')

@@ -341,7 +341,26 @@ static void test_with_too_little_after_a_stay_it_goes_home(void)
     pass_until(JP_ROUND_CHARGING);
 }
 
-static void test_it_does_not_try_for_ever(void)
+static void test_a_stay_ends_early_when_the_way_there_took_too_much(void)
+{
+    config.stops[0].dwell = 60.0f;
+    begin();
+    switch_on();
+    pass_until(JP_ROUND_DWELLING);
+    const uint32_t since = ticks;
+    const float needed =
+        config.reserve + round_trip.internal.home[0].energy + config.deviations * round_trip.internal.home[0].deviation;
+
+    available = needed + 100.0f; /* which standing takes within seconds */
+    pass_until_not(JP_ROUND_DWELLING);
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_HOMING, round_trip.state);
+    TEST_ASSERT_TRUE(ticks - since < 1500U);
+    TEST_ASSERT_TRUE(available > 0.6f * needed);
+    pass_until(JP_ROUND_SURVEYING);
+    TEST_ASSERT_TRUE(round_trip.least_left >= config.reserve);
+}
+
+static void test_where_it_gets_nowhere_it_waits_and_tries_to_get_home(void)
 {
     begin();
     switch_on();
@@ -350,8 +369,49 @@ static void test_it_does_not_try_for_ever(void)
         TEST_ASSERT_EQUAL_INT(JP_ROUND_LEAVING, round_trip.state);
         give_up();
     }
-    TEST_ASSERT_EQUAL_INT(JP_ROUND_FAILED, round_trip.state);
-    TEST_ASSERT_EQUAL_INT(JP_ROUND_NO_WAY, round_trip.reason);
+    for (unsigned i = 0; i < 2; i++) {
+        const uint32_t since = ticks;
+
+        TEST_ASSERT_EQUAL_INT(JP_ROUND_WAITING, round_trip.state);
+        TEST_ASSERT_EQUAL_INT(JP_ROUND_NO_WAY, round_trip.reason);
+        pass_until_not(JP_ROUND_WAITING);
+        TEST_ASSERT_TRUE(ticks - since > (uint32_t)(JP_ROUND_WAIT / TICK) - 10U);
+        TEST_ASSERT_EQUAL_INT(JP_ROUND_HOMING, round_trip.state);
+        give_up();
+    }
+    pass_until(JP_ROUND_HOMING);
+    pass_until(JP_ROUND_CHARGING);
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_NO_REASON, round_trip.reason);
+    pass_until(JP_ROUND_DWELLING);
+}
+
+static void test_what_stood_in_the_way_is_forgotten_at_the_charger(void)
+{
+    struct jp_terrain *const marked = &pilot.mission.internal.marked;
+
+    begin();
+    switch_on();
+    pass_until(JP_ROUND_HOMING);
+    for (int32_t y = 0; y < ROOM_HEIGHT; y++) { /* as if people had stood across the room */
+        (void)jp_terrain_set_cell(marked, 40, y, JP_CELL_OCCUPIED);
+    }
+    pass_until(JP_ROUND_SURVEYING);
+    TEST_ASSERT_EQUAL_INT(JP_CELL_FREE, jp_terrain_cell(marked, 40, ROOM_HEIGHT / 2));
+    pass_until(JP_ROUND_CHARGING);
+    TEST_ASSERT_EQUAL_UINT32(1, round_trip.charges);
+}
+
+static void test_marks_are_forgotten_by_who_has_a_map_and_does_not_plan(void)
+{
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_pilot_forget_marks(NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_mission_forget_marks(NULL));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_pilot_forget_marks(&pilot));
+    switch_on();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_pilot_go(&pilot, &config.stops[0].pose));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_patrol_pilot_forget_marks(&pilot));
+    jp_patrol_pilot_stop(&pilot);
+    jp_patrol_pilot_forget_map(&pilot);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_NO_PLAN, jp_patrol_pilot_forget_marks(&pilot));
 }
 
 /* Surveys of the pilot. */
