@@ -16,7 +16,8 @@
  *
  * It yields to people: to who walks, or has walked and may walk on or back. Their places are foreseen, and it goes on
  * no faster than it can without coming near them (struct jp_patrol_people). Towards anything it drives no faster than
- * it can stop before it is nearer than `turn_clearance`; what it passes at the same distance does not slow it.
+ * it can stop 0.1 m before it, or creeps where there is less room; what it passes at the same distance does not slow
+ * it.
  *
  * One call of jp_patrol_cycle() a cycle, 5…20 a second, outside interrupts; its twist goes to jp_four_wheel_tick() in
  * the control tick. In HELD, WAITING, ARRIVED and STOPPED the twist is 0: the wheels stop and keep their angles. A path
