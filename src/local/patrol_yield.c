@@ -274,7 +274,7 @@ static struct yield_outlook look_along(const struct jp_patrol *patrol, const str
     return outlook;
 }
 
-static bool sees_people(const struct jp_patrol *patrol)
+static bool sees_anybody(const struct jp_patrol *patrol)
 {
     for (unsigned i = 0; i < patrol->movers.count; i++) {
         if (patrol->movers.movers[i].pace > 0.0f) {
@@ -284,12 +284,12 @@ static bool sees_people(const struct jp_patrol *patrol)
     return false;
 }
 
-/* The band, which keeps off where they walk, may have it stand for them. */
-static bool waits_for_people(const struct jp_patrol *patrol, float wanted)
+/* Who may walk on: they make way sometime. */
+static bool sees_people(const struct jp_patrol *patrol)
 {
     for (unsigned i = 0; i < patrol->movers.count; i++) {
         if (is_person(patrol, &patrol->movers.movers[i])) {
-            return patrol->state == JP_PATROL_WAITING || (patrol->state == JP_PATROL_DRIVING && wanted < STANDING);
+            return true;
         }
     }
     return false;
@@ -411,15 +411,15 @@ void jp_patrol_yield(struct jp_patrol *patrol, const struct jp_plane_speed *spee
     const struct jp_plane_speed *const command = &patrol->internal.command;
     const float wanted = speed_of(patrol, command->forward, patrol->internal.sideways, command->turn_rate);
 
-    patrol->internal.is_yielding = waits_for_people(patrol, wanted);
-    if (wanted > 0.0f && sees_people(patrol)) {
+    patrol->internal.is_yielding = patrol->state == JP_PATROL_WAITING && sees_people(patrol);
+    if (wanted > 0.0f && sees_anybody(patrol)) {
         const float now = speed_of(patrol, speed->forward, patrol->internal.sideways_before, speed->turn_rate);
         const float safe = safe_speed(patrol, now);
 
         if (safe < wanted) {
             slow_down(patrol, wanted, safe);
-            patrol->internal.is_yielding = true;
-            patrol->counts.yields += was_yielding ? 0U : 1U;
+            patrol->internal.is_yielding = sees_people(patrol);
+            patrol->counts.yields += was_yielding || !patrol->internal.is_yielding ? 0U : 1U;
         }
     }
     patrol->internal.sideways_before = patrol->internal.sideways;
