@@ -260,13 +260,28 @@ static void turn_first(struct jp_patrol *patrol, const struct jp_patrol_window *
     }
 }
 
+/* As hard as it may, to stand at the goal. */
+static void brake(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    const struct jp_patrol_config *const config = &patrol->config;
+    const struct jp_plane_pose there = jp_plane_relative(&patrol->pose, &patrol->internal.goal.pose);
+    const float left = there.x - config->latency * speed->forward;
+
+    jp_patrol_stand(patrol);
+    if (left > 0.0f && speed->forward > 0.0f) {
+        patrol->internal.command.forward =
+            jp_plane_smaller(jp_plane_square_root(2.0f * config->teb.acceleration * left), speed->forward);
+    }
+}
+
 static void arrive(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     patrol->internal.is_arriving = true;
-    jp_patrol_stand(patrol);
     if (!jp_patrol_is_standing(speed)) {
+        brake(patrol, speed);
         return;
     }
+    jp_patrol_stand(patrol);
     if (goal_heading_error(patrol) > patrol->config.heading_tolerance) {
         jp_patrol_turn_to(patrol, patrol->internal.goal.pose.heading);
     } else if (goal_distance(patrol) > patrol->config.position_tolerance && jp_patrol_find_step_to_goal(patrol)) {
