@@ -89,6 +89,12 @@ bench-navigate: ## measure the navigator: 1 000 drives on dense maps with boxes 
 	$(BUILD)/bench/bench_navigate >$(BUILD)/bench/bench_navigate.json
 	$(if $(NAVIGATE_MAPS),$(PYTHON) -m tools.measure.bench_navigate $(NAVIGATE_MAPS))
 
+.PHONY: bench-home
+bench-home: ## measure robots that come home on what is in their battery: trips at the border of the return map, and in use (10 minutes)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_home
+	$(BUILD)/bench/bench_home >$(BUILD)/bench/bench_home.json
+
 .PHONY: bench-image
 bench-image: ## measure the navigator of the firmware's image: 20 drives in QEMU, 100 in process, a million ticks, memory (35 minutes)
 	@tools/setup.sh sil operate firmware

@@ -91,6 +91,19 @@ navigate: ## let ROBOT=courier24, burger, zhang2018 or patrol find its way (MAP=
 	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.navigate_report $(BUILD)/navigate && exit $$status
 endif
 
+# REACH holds options of jp-navigate, such as --home 95; BATTERY joules are in the battery.
+BATTERY = $(if $(NAVIGATE_HILLS),9000,400)
+
+.PHONY: reach
+reach: ## let ROBOT=courier24, burger or zhang2018 drive to a goal and home on BATTERY joules (MAP=file START=x,y,deg GOAL=x,y SEED=1 REACH=options), and draw from where it comes home: picture in build/reach
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-navigate
+	@rm -rf $(BUILD)/reach
+	$(PYTHON) -m tools.design.import_map $(NAVIGATE_MAP) $(BUILD)/reach/map.json --resolution $(or $(NAVIGATE_CELL),0.1) $(NAVIGATE_IMPORT)
+	$(BUILD)/bin/jp-navigate $(BUILD)/reach/map.json --robot sim/robots/$(NAVIGATE_ROBOT).cfg $(NAVIGATE_TASK) \
+	    --seed $(SEED) --battery $(BATTERY) $(REACH) --output $(BUILD)/reach; status=$$?; \
+	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.reach_picture $(BUILD)/reach && exit $$status
+
 # A yard whose mud takes 2.5 times the rolling resistance, or a map of others with IMPORT, START and GOAL. GROUNDS holds
 # options of jp-grounds, such as --trips 10.
 GROUNDS_MAP    = $(if $(filter file,$(origin MAP)),sim/scenarios/yard.map,$(MAP))
