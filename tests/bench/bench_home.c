@@ -37,7 +37,7 @@
 #define BORDER_QUANTILE   1.6448536
 #define CONFIDENCE        0.999
 
-enum { ROBOTS = 12, TRIPS = 4 };
+enum { ROBOTS = 8, TRIPS = 4 };
 
 static const char *const kinds[] = {"zhang2018", "burger", "courier24"};
 
