@@ -105,12 +105,6 @@ struct jp_learner {
     struct jp_learned_watch watch;
 };
 
-/** Energy as expected and how sure that is. */
-struct jp_forecast {
-    jp_q16 energy;    /**< J */
-    jp_q16 deviation; /**< standard deviation, J */
-};
-
 /** Sum of forecasts: the uncertainty of the parameters adds up linearly, the noise of the segments in square. All zero
  * at first. Private. */
 struct jp_forecast_sum {

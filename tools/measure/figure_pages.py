@@ -82,7 +82,8 @@ SECTIONS = (
             r"logs", ("logs",)),
     Section("Segment optimiser", "Plans against brute force and the paper's Table 3.", r"segment"),
     Section("Energy models", "", r"identify(_battery)?"),
-    Section("Battery", "", r"battery"),
+    Section("Battery", "Batteries of a cell's data sheet, drawn by the rule in tests/bench/bench_battery.c: the filter knows "
+            "the data sheet alone.", r"bench_battery|battery(_filter)?|cells"),
     Section("Controller", "", r"bench_controller"),
     Section("The patrol robot", "", r"bench_(patrol|patrol_round|joules|goals)|patrol_energy"),
     Section("The patrol robot by scene", "Improved band / plain band / pure pursuit. Pursuit has arrived at the goal "

@@ -47,6 +47,31 @@ static void test_straight_way(void)
     rig_expect_stand();
 }
 
+/* Beside the robot, where a band that does not drive backwards cannot get. */
+static void test_a_band_that_stands_is_no_way(void)
+{
+    config.turns_in_place = false;
+    rig_init();
+    rig_straight(0.0f, 0.0f, 0.0f, 0.3f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.3f, 0.0f, false));
+    TEST_ASSERT_TRUE(rig_until(JP_PATROL_WAITING, 60) > 5U);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+    rig_expect_stand();
+}
+
+static void test_a_band_that_stands_for_people_is_waited_for(void)
+{
+    config.turns_in_place = false;
+    rig_init();
+    rig_straight(0.0f, 0.0f, 0.0f, 0.3f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.3f, 0.0f, false));
+    for (unsigned i = 0; i < 60U; i++) {
+        patrol.internal.is_yielding = true;
+        rig_cycle();
+        rig_expect(JP_PATROL_DRIVING, JP_PATROL_NONE);
+    }
+}
+
 static void test_robot_follows_a_bent_path(void)
 {
     rig_straight(0.0f, 0.0f, 2.0f, 0.0f);
@@ -63,8 +88,9 @@ static void test_robot_turns_in_place_before_it_drives(void)
     rig_cycle();
     rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
 
-    float before = 0.0f;
+    float before = jp_plane_magnitude(rig_from_q24(twist.turn_rate));
 
+    TEST_ASSERT_NEAR(1e-5f, config.turn_acceleration * RIG_PERIOD, before);
     while (patrol.state == JP_PATROL_TURNING) {
         rig_cycle();
 
@@ -96,7 +122,8 @@ static void test_robot_turns_at_the_goal(void)
     rig_go_to_heading(1.5f, 0.0f, -2.0f);
     (void)rig_until(JP_PATROL_TURNING, RIG_LONG);
     TEST_ASSERT_NEAR(0.08f, 1.5f, robot.x);
-    rig_expect_stand();
+    TEST_ASSERT_EQUAL_INT32(0, twist.x);
+    TEST_ASSERT_NEAR(1e-5f, -config.turn_acceleration * RIG_PERIOD, rig_from_q24(twist.turn_rate));
     (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
     TEST_ASSERT_NEAR(0.08f, -2.0f, robot.heading);
     TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.turns);
