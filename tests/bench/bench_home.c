@@ -39,7 +39,7 @@
 
 enum { ROBOTS = 8, TRIPS = 4 };
 
-static const char *const kinds[] = {"zhang2018", "burger", "courier24"};
+static const char *const kinds[] = {"zhang2018", "courier24"};
 
 /* A trip as it is drawn, before the robot leaves. */
 struct trip {
