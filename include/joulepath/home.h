@@ -39,7 +39,8 @@ struct jp_home_config {
     int16_t x;                      /**< home, cells of its map, where the robot can stand */
     int16_t y;
     jp_q31 confidence; /**< the robot turns back below it; ½…0.9999, or 0: never */
-    /** What is left in the battery, J in the unit of the vehicle's model, with its deviation. False: it is not known.
+    /** What is left in the battery, J in the unit of the vehicle's model, with its deviation, as
+     * jp_battery_forecast_left() tells. False: it is not known.
      */
     bool (*left)(void *context, struct jp_forecast *left);
     void *context;              /**< handed to it */

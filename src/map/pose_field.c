@@ -144,7 +144,7 @@ static jp_cost turn_cost(const struct jp_pose_field *field, int32_t x, int32_t y
 }
 
 /** The step between a pose and the next one farther from the root. */
-struct step {
+struct pose_step {
     const struct jp_primitive *primitive;
     int32_t x; /**< the cell farther off */
     int32_t y;
@@ -153,7 +153,7 @@ struct step {
 };
 
 /** False: there is none on the map. */
-static bool find_step(const struct jp_pose_field *field, int32_t x, int32_t y, unsigned heading, struct step *step)
+static bool find_step(const struct jp_pose_field *field, int32_t x, int32_t y, unsigned heading, struct pose_step *step)
 {
     const struct jp_cell_offset offset = jp_move_offsets[heading];
     const bool is_onward = field->sense == JP_POSE_FIELD_FROM_ROOT;
@@ -166,12 +166,12 @@ static bool find_step(const struct jp_pose_field *field, int32_t x, int32_t y, u
     return step->primitive != NULL && terrain_contains(field->terrain, step->x, step->y);
 }
 
-static jp_cost step_cost(const struct jp_pose_field *field, const struct step *step)
+static jp_cost step_cost(const struct jp_pose_field *field, const struct pose_step *step)
 {
     return jp_lattice_energy(field->lattice, field->kind, field->terrain, step->primitive, step->from_x, step->from_y);
 }
 
-static bool is_step_clear(const struct jp_pose_field *field, const struct step *step)
+static bool is_step_clear(const struct jp_pose_field *field, const struct pose_step *step)
 {
     return jp_lattice_is_clear(field->lattice, field->terrain, step->primitive, step->from_x, step->from_y);
 }
@@ -197,7 +197,7 @@ static void relax_turns(struct jp_pose_field *field, int32_t x, int32_t y, unsig
 static void relax_step(struct jp_pose_field *field, int32_t x, int32_t y, unsigned heading, uint32_t here)
 {
     struct jp_wavefront *wave = &field->wave;
-    struct step step;
+    struct pose_step step;
 
     if (!find_step(field, x, y, heading, &step)) {
         return;
@@ -269,7 +269,7 @@ static bool next_by_step(const struct jp_pose_field *field, struct jp_lattice_po
     const int32_t x = is_onward ? pose->x - offset.dx : pose->x + offset.dx;
     const int32_t y = is_onward ? pose->y - offset.dy : pose->y + offset.dy;
     const jp_cost there = jp_pose_field_cost(field, x, y, pose->heading);
-    struct step step;
+    struct pose_step step;
 
     if (there == JP_COST_MAX || !find_step(field, x, y, pose->heading, &step) ||
         there + step_cost(field, &step) != here || !is_step_clear(field, &step)) {

@@ -37,9 +37,9 @@
 #define BORDER_QUANTILE   1.6448536
 #define CONFIDENCE        0.999
 
-enum { ROBOTS = 12, TRIPS = 4 };
+enum { ROBOTS = 8, TRIPS = 4 };
 
-static const char *const kinds[] = {"zhang2018", "burger", "courier24"};
+static const char *const kinds[] = {"zhang2018", "courier24"};
 
 /* A trip as it is drawn, before the robot leaves. */
 struct trip {
