@@ -488,8 +488,9 @@ static void test_it_brakes_in_time_for_the_goal(void)
     rig_sense();
     input.speed = (struct jp_plane_speed){0.4f, 0.0f};
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
-    /* 0.08 m before it, of which 0.04 m go by until it brakes */
-    TEST_ASSERT_NEAR(1e-4f, jp_plane_square_root(2.0f * config.teb.acceleration * 0.04f), rig_from_q24(twist.x));
+    /* of the way that is left, 0.04 m go by until it brakes */
+    TEST_ASSERT_NEAR(1e-4f, jp_plane_square_root(2.0f * config.teb.acceleration * (config.position_tolerance - 0.01f)),
+                     rig_from_q24(twist.x));
     TEST_ASSERT_TRUE(patrol.internal.is_arriving);
     patrol.pose.x = 3.0f;
     robot.x = 3.0f;
