@@ -17,7 +17,8 @@
  *
  * It yields to people: to who walks, or has walked and may walk on or back. Their places are foreseen, and it goes on
  * no faster than it can without coming near them (struct jp_patrol_people). Towards anything it drives no faster than
- * it can stop before it is nearer than `turn_clearance`; what it passes at the same distance does not slow it.
+ * it can stop 0.1 m before it, or creeps where there is less room; what it passes at the same distance does not slow
+ * it.
  *
  * One call of jp_patrol_cycle() a cycle, 5…20 a second, outside interrupts; its twist goes to jp_four_wheel_tick() in
  * the control tick. In HELD, WAITING, ARRIVED and STOPPED the twist is 0: the wheels stop and keep their angles. A path
@@ -141,6 +142,16 @@ struct jp_patrol_counts {
     uint32_t shapes_dropped; /**< obstacles that did not fit */
 };
 
+/** Places where people have walked lately that are remembered: those of a dozen who walk to and fro. */
+#define JP_PATROL_TRODDEN_MAX 256U
+
+/** Private. */
+struct jp_patrol_trodden {
+    struct jp_plane_point place;
+    float radius; /**< of who walked there, m; 0: nobody */
+    float age;    /**< s */
+};
+
 /** Private. */
 struct jp_patrol_internal {
     const struct jp_point *path;
@@ -172,6 +183,8 @@ struct jp_patrol_internal {
     float sideways_before; /**< of the last cycle's command, m/s */
     uint16_t unmoved;      /**< cycles since the robot last made progress */
     uint16_t still;        /**< in a row in which robot and band stood */
+    float yielded;         /**< that it has stood for people, less what it drove since, s */
+    struct jp_patrol_trodden trodden[JP_PATROL_TRODDEN_MAX];
 };
 
 /** The members but `internal` may be read. */

@@ -12,7 +12,7 @@
 /* Of clearances between scans, m: a glide that has less than it should does not get nearer;
  * into a goal it keeps the latter, m. */
 #define NOISE         0.01f
-#define CLEARANCE_MIN 0.03f
+#define CLEARANCE_MIN 0.09f
 
 /* Between the poses that are checked, m, and how far a glide is looked ahead at its beginning. */
 #define STEP_LENGTH 0.1f
@@ -449,10 +449,20 @@ static bool can_steer(const struct jp_patrol *patrol, const struct chassis_motio
     return true;
 }
 
-/* As near to a motion as the wheels can follow in a cycle; at a stand they are steered first. */
+static struct chassis_motion slowed(const struct chassis_motion *motion, float speed)
+{
+    const float now = jp_plane_length(motion->forward, motion->left);
+    const float share = now > speed ? speed / now : 1.0f;
+
+    return (struct chassis_motion){share * motion->forward, share * motion->left, share * motion->turn_rate};
+}
+
+/* As near to a motion as the wheels can follow in a cycle; at a stand they are steered first. Slower needs no steering.
+ */
 static struct chassis_motion steered(const struct jp_patrol *patrol, const struct chassis_motion *wanted)
 {
-    const struct chassis_motion now = commanded(patrol);
+    const struct chassis_motion before = commanded(patrol);
+    const struct chassis_motion now = slowed(&before, jp_plane_length(wanted->forward, wanted->left));
     struct chassis_motion next = *wanted;
     float share = 1.0f;
 

@@ -105,7 +105,26 @@ static void begin_turn(struct jp_patrol *patrol, float heading, float angle)
     }
 }
 
-/* The turn on the spot, else after a step to where there is room for it: at the goal, the step to the goal itself. */
+/* A place beside the goal with room for the turn, from where the robot then steps into the goal. */
+static bool find_turn_beside_goal(struct jp_patrol *patrol, float heading, float clearance)
+{
+    const struct jp_plane_pose *const goal = &patrol->internal.goal.pose;
+    struct jp_plane_point place;
+
+    if (!jp_patrol_find_step(patrol, heading, clearance, &place)) {
+        return false;
+    }
+
+    const struct jp_plane_pose there = {place.x, place.y, heading};
+    const struct jp_plane_pose remaining = jp_plane_relative(&there, goal);
+    const struct jp_plane_pose step = {remaining.x, remaining.y, 0.0f};
+
+    patrol->internal.step_target = place;
+    return jp_plane_length(remaining.x, remaining.y) < STEP_REACH &&
+           jp_patrol_is_step_free_from(patrol, &there, &step, step_clearance(&patrol->config));
+}
+
+/* The turn on the spot, else after a step to where there is room for it. */
 static bool turn_with(struct jp_patrol *patrol, float heading, float clearance)
 {
     float angle;
@@ -114,8 +133,8 @@ static bool turn_with(struct jp_patrol *patrol, float heading, float clearance)
         begin_turn(patrol, heading, angle);
         return true;
     }
-    if (!patrol->internal.is_arriving &&
-        jp_patrol_find_step(patrol, heading, clearance, &patrol->internal.step_target)) {
+    if (patrol->internal.is_arriving ? find_turn_beside_goal(patrol, heading, clearance)
+                                     : jp_patrol_find_step(patrol, heading, clearance, &patrol->internal.step_target)) {
         jp_patrol_begin_step(patrol);
         return true;
     }

@@ -68,7 +68,7 @@ const struct jp_patrol_config jp_patrol_config_patrol = {
             .clearance = 0.3f,    /* m */
             .braking = 1.0f,      /* m/s² */
             .acceleration = 2.0f, /* m/s² */
-            .rest = 1.0f,         /* s */
+            .rest = 1.3f,         /* s */
             .stays = 6.0f,        /* s */
         },
     .turns_in_place = true,

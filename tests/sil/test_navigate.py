@@ -139,6 +139,17 @@ def test_a_robot_that_its_sides_steer_arrives_over_the_bus(tmp_path):
     assert drive["goal_error_m"] < 0.1
 
 
+def test_over_the_bus_a_rover_is_as_far_from_the_goal_as_its_odometry_says(tmp_path):
+    hall = write_map(tmp_path / "hall.json", room(100, 80, [(48, 36, 4, 44)]), resolution=0.2)
+    task = ["--start=4,4,90", "--goal=16,12", "--hidden=2", "--view=4", "--seed=3"]
+    alone = navigate(hall, tmp_path / "alone", *task, robot=ROVER)
+    over_the_bus = navigate(hall, tmp_path / "bus", *task, "--bus=in-process", robot=ROVER)
+    assert alone.returncode == over_the_bus.returncode == 0, over_the_bus.stderr
+    drive = summary_of(tmp_path / "bus")["result"]
+    assert (drive["state"], drive["touched"]) == ("arrived", False) and drive["cells_seen"] > 0
+    assert drive["goal_error_m"] < 0.1 + 4 * summary_of(tmp_path / "alone")["result"]["deviation_m"]
+
+
 def test_over_the_bus_it_says_what_is_refused_or_unreachable(tmp_path):
     closed = write_map(tmp_path / "closed.json", room(100, 60, [(45, 0, 2, 60)]), resolution=CELL)
     result = navigate(closed, tmp_path / "out", *TASK, "--hidden=0", "--bus=in-process")

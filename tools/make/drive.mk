@@ -61,8 +61,9 @@ NAVIGATE.           = $(BUILD)/bin/jp-navigate
 NAVIGATE.in-process = $(BUILD)/bin/jp-navigate --bus in-process --frames
 NAVIGATE.pil        = tools/operate/navigate_in_qemu.sh $(NAVIGATE_ROBOT)
 NAVIGATE_ROBOT = $(if $(filter file,$(origin ROBOT)),courier24,$(ROBOT))
-# A robot for rough ground finds its way over hills, the others in an office. It refuses by itself what is too steep for it.
-NAVIGATE_HILLS = $(filter zhang2018,$(NAVIGATE_ROBOT))
+# A robot for rough ground finds its way over hills, the others in an office; no elevations go over the bus. It refuses by
+# itself what is too steep for it.
+NAVIGATE_HILLS = $(if $(BUS),,$(filter zhang2018,$(NAVIGATE_ROBOT)))
 NAVIGATE_MAP   = $(if $(filter file,$(origin MAP)),$(if $(NAVIGATE_HILLS),jacksboro,sim/scenarios/office.map),$(MAP))
 NAVIGATE_IMPORT = $(if $(filter file,$(origin MAP)),$(if $(NAVIGATE_HILLS),--steep 89,--cell-size 0.2),$(IMPORT))
 NAVIGATE_ALONG  = --start=198,186,-135 --goal=143,131.5 # the fault

@@ -473,3 +473,53 @@ static void test_a_step_to_the_goal_that_is_not_free_is_not_taken(void)
     TEST_ASSERT_NEAR(0.05f, 2.12f, robot.x);
     TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.steps);
 }
+
+/* ---- Stopping at the goal ---- */
+
+/* In a world in which what it is told acts later, and braking takes a while: it brakes where it comes to a stand at the
+ * goal, and does not pass it. */
+static void test_it_brakes_in_time_for_the_goal(void)
+{
+    config.latency = 0.1f;
+    rig_init();
+    rig_go(3.0f, 0.0f);
+    patrol.pose.x = 3.0f - config.position_tolerance - 0.03f;
+    robot.x = patrol.pose.x;
+    rig_sense();
+    input.speed = (struct jp_plane_speed){0.4f, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    /* 0.08 m before it, of which 0.04 m go by until it brakes */
+    TEST_ASSERT_NEAR(1e-4f, jp_plane_square_root(2.0f * config.teb.acceleration * 0.04f), rig_from_q24(twist.x));
+    TEST_ASSERT_TRUE(patrol.internal.is_arriving);
+    patrol.pose.x = 3.0f;
+    robot.x = 3.0f;
+    rig_sense();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    TEST_ASSERT_EQUAL_INT(0, twist.x);
+}
+
+/* Slower, beside the goal by more than its tolerance, or away from it, it drives on. */
+static void test_it_does_not_brake_too_soon(void)
+{
+    config.latency = 0.1f;
+    rig_init();
+    rig_go(3.0f, 0.0f);
+    robot.x = 3.0f - config.position_tolerance - 0.03f;
+    patrol.pose = robot;
+    rig_sense();
+    input.speed = (struct jp_plane_speed){0.05f, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    TEST_ASSERT_FALSE(patrol.internal.is_arriving);
+    robot.y = config.position_tolerance + 0.01f;
+    patrol.pose = robot;
+    rig_sense();
+    input.speed = (struct jp_plane_speed){0.4f, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    TEST_ASSERT_FALSE(patrol.internal.is_arriving);
+    robot.y = 0.0f;
+    patrol.pose = robot;
+    rig_sense();
+    input.speed = (struct jp_plane_speed){-0.4f, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    TEST_ASSERT_FALSE(patrol.internal.is_arriving);
+}
