@@ -392,19 +392,19 @@ static bool drive(struct navigation *navigation)
 
 /* ---- Preparation ---- */
 
-static bool prepare_pack(struct navigation *navigation)
+/** The robot looks at its cells. */
+static bool prepare_pack(const struct navigation_task *task, const struct navigation_robot *robot)
 {
-    struct navigation_battery *battery = navigation->task->battery;
+    return task->battery == NULL || task->battery->pack == NULL ||
+           navigation_pack_start(task->battery->pack, robot, task->seed);
+}
 
-    if (!has_pack(navigation)) {
-        return true;
+static void note_charge(struct navigation *navigation)
+{
+    if (has_pack(navigation)) {
+        navigation->result->charge_before = navigation_pack_charge(navigation->task->battery->pack);
+        navigation->task->battery->joules = navigation->result->charge_before.joules;
     }
-    if (!navigation_pack_start(battery->pack, navigation->robot, navigation->task->seed)) {
-        return false;
-    }
-    navigation->result->charge_before = navigation_pack_charge(battery->pack);
-    battery->joules = navigation->result->charge_before.joules;
-    return true;
 }
 
 /** Where it begins. */
@@ -463,7 +463,7 @@ static bool prepare_navigator(struct navigation *navigation, void *block)
         error_line("%s: %s is out of the range of the navigator on this map; take other cells", robot->name, field);
         return false;
     }
-    return task->battery == NULL || (prepare_pack(navigation) && prepare_home(navigation));
+    return task->battery == NULL || prepare_home(navigation);
 }
 
 static void describe(struct navigation *navigation, const struct navigation_task *task,
@@ -478,10 +478,11 @@ static void describe(struct navigation *navigation, const struct navigation_task
     navigation->start = navigation_start(task);
     navigation->before = navigation->start;
     navigation->way_size = jp_navigator_way_size(&task->map->config);
+    note_charge(navigation);
 }
 
-bool navigation_run(const struct navigation_task *task, const struct navigation_robot *robot,
-                    struct navigation_result *result)
+static bool run(const struct navigation_task *task, const struct navigation_robot *robot,
+                struct navigation_result *result)
 {
     struct navigation *navigation = calloc(1, sizeof *navigation);
     void *block = aligned_alloc(ALIGNMENT, (task->memory + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT);
@@ -505,4 +506,10 @@ bool navigation_run(const struct navigation_task *task, const struct navigation_
     free(navigation);
     free(block);
     return is_done;
+}
+
+bool navigation_run(const struct navigation_task *task, const struct navigation_robot *robot,
+                    struct navigation_result *result)
+{
+    return prepare_pack(task, robot) && run(task, robot, result);
 }

@@ -17,8 +17,12 @@
 #define CHARGE_DEVIATION 0.05
 #define RESERVE          0.1
 
-/** Of the true energy that is left, share of the charge. */
-#define CHARGE_STEP 0.001
+/** That it looks at its cells before it is told where to go, s. */
+#define STAND_SECONDS 10.0
+
+/** Of the true energy that is left, share of the charge: a step, and what is nothing. */
+#define CHARGE_STEP  0.001
+#define CHARGE_LEAST 1e-9
 
 static jp_q16 q16(double value)
 {
@@ -110,29 +114,6 @@ static bool start_battery(struct navigation_pack *pack, uint64_t seed)
                             pack->energy) == JP_OK;
 }
 
-bool navigation_pack_start(struct navigation_pack *pack, const struct navigation_robot *robot, uint64_t seed)
-{
-    *pack = (struct navigation_pack){.charge = pack->charge, .robot = robot, .least_v = INFINITY};
-    if (robot->supply.cells == NULL) {
-        error_line("%s: --charge: its firmware knows no cells; write sim/robots/packs/%s.cfg and run make battery "
-                   "ROBOT=%s",
-                   robot->name, robot->name, robot->name);
-        return false;
-    }
-    if (!pack_file_load_robot(robot->name, &pack->cell, &pack->wiring)) {
-        return false;
-    }
-    const struct cell_condition condition = {.charge = pack->charge,
-                                             .temperature_c = pack->cell.resistance.reference_c};
-
-    if (!can_feed(pack, &condition) || !start_battery(pack, seed)) {
-        return false;
-    }
-    pack->ticks_an_update = (unsigned)lround(robot->rate_hz / UPDATE_RATE);
-    robot->supply.feed(robot->self, &pack->cell, &pack->wiring, &condition);
-    return true;
-}
-
 /** What is forecast is expected to take the current that the robot took so far. */
 static void expect_load(struct navigation_pack *pack)
 {
@@ -157,6 +138,38 @@ void navigation_pack_tick(struct navigation_pack *pack)
         pack->ticks = 0;
         expect_load(pack);
     }
+}
+
+static void stand(struct navigation_pack *pack)
+{
+    for (int i = 0; i < (int)(STAND_SECONDS * pack->robot->rate_hz); i++) {
+        pack->robot->tick(pack->robot->self);
+        navigation_pack_tick(pack);
+    }
+}
+
+bool navigation_pack_start(struct navigation_pack *pack, const struct navigation_robot *robot, uint64_t seed)
+{
+    *pack = (struct navigation_pack){.charge = pack->charge, .robot = robot, .least_v = INFINITY};
+    if (robot->supply.cells == NULL) {
+        error_line("%s: --charge: its firmware knows no cells; write sim/robots/packs/%s.cfg and run make battery "
+                   "ROBOT=%s",
+                   robot->name, robot->name, robot->name);
+        return false;
+    }
+    if (!pack_file_load_robot(robot->name, &pack->cell, &pack->wiring)) {
+        return false;
+    }
+    const struct cell_condition condition = {.charge = pack->charge,
+                                             .temperature_c = pack->cell.resistance.reference_c};
+
+    if (!can_feed(pack, &condition) || !start_battery(pack, seed)) {
+        return false;
+    }
+    pack->ticks_an_update = (unsigned)lround(robot->rate_hz / UPDATE_RATE);
+    robot->supply.feed(robot->self, &pack->cell, &pack->wiring, &condition);
+    stand(pack);
+    return true;
 }
 
 /** Returns the exponent of its unit: the least from the vehicle's on that holds it. */
@@ -197,10 +210,11 @@ static double true_joules(const struct navigation_pack *pack)
     struct cell_pack cells = *pack->robot->supply.pack;
     const double before = cells.ledger.terminal;
     const double amperes = pack->config.load / Q16;
-    const double seconds = CHARGE_STEP * cell_pack_capacity(&cells) / amperes;
 
-    while (cells.charge > RESERVE) {
-        cell_pack_step(&cells, amperes, seconds);
+    while (cells.charge > RESERVE + CHARGE_LEAST) {
+        const double share = fmin(cells.charge - RESERVE, CHARGE_STEP);
+
+        cell_pack_step(&cells, amperes, share * cell_pack_capacity(&cells) / amperes);
     }
     return cells.ledger.terminal - before;
 }
