@@ -82,10 +82,10 @@ static double standing_voltage(const struct navigation_pack *pack, const struct 
     return square < 0 ? 0 : (source.open_v + sqrt(square)) / 2;
 }
 
-static bool can_feed(const struct navigation_pack *pack, const struct cell_condition *condition)
+/** False after one line on stderr: the bus has not the voltage that the robot needs. */
+static bool suffices(const struct navigation_pack *pack, double volts)
 {
     const struct navigation_robot *robot = pack->robot;
-    const double volts = standing_voltage(pack, condition);
 
     if (volts < robot->supply.voltage_min_v) {
         error_line("--charge %g: the bus of %s has %.2f V then while it stands, and needs %.2f V; charge the cells",
@@ -163,13 +163,13 @@ bool navigation_pack_start(struct navigation_pack *pack, const struct navigation
     const struct cell_condition condition = {.charge = pack->charge,
                                              .temperature_c = pack->cell.resistance.reference_c};
 
-    if (!can_feed(pack, &condition) || !start_battery(pack, seed)) {
+    if (!suffices(pack, standing_voltage(pack, &condition)) || !start_battery(pack, seed)) {
         return false;
     }
     pack->ticks_an_update = (unsigned)lround(robot->rate_hz / UPDATE_RATE);
     robot->supply.feed(robot->self, &pack->cell, &pack->wiring, &condition);
     stand(pack);
-    return true;
+    return suffices(pack, pack->least_v);
 }
 
 /** Returns the exponent of its unit: the least from the vehicle's on that holds it. */
