@@ -1,0 +1,28 @@
+# Fuzzing: clang's libFuzzer looks for inputs that take new branches.
+
+# What a target may take in `make test`: so many inputs beside its seeds, the same each time.
+FUZZ_RUNS ?= 2000
+FUZZ_SEED ?= 1
+FUZZ_LIMIT ?= 120
+
+FUZZ := $(BUILD)/fuzz
+FUZZ_PROGRAMS = $(FUZZ_TARGETS:%=$(BUILD)/host-fuzz/%)
+
+$(BUILD)/host-fuzz/fuzz_%: $(BUILD)/host-fuzz/tests/fuzz/fuzz_%.o $(call host_libraries,host-fuzz)
+	@mkdir -p $(@D)
+	$(call SAY,LD $@)
+	$Q$(COMPILER.host-fuzz) $(FLAGS.host-fuzz) -fsanitize=fuzzer $(filter %.o,$^) $(filter %.a,$^) $(LIBRARIES) -o $@
+
+$(LOGS)/host-fuzz/fuzz_%.log: $(BUILD)/host-fuzz/fuzz_% tools/measure/fuzz.py
+	$(call SAY,RUN $<)
+	$Q$(RUN) $@ $(FUZZ_LIMIT) $(PYTHON) -m tools.measure.fuzz --folder $(FUZZ)/short --runs $(FUZZ_RUNS) --seed $(FUZZ_SEED) $<
+
+SECONDS ?= 60
+TARGET  ?=
+FUZZED   = $(if $(TARGET),$(TARGET:%=$(BUILD)/host-fuzz/fuzz_%),$(FUZZ_PROGRAMS))
+
+.PHONY: fuzz
+fuzz: ## look SECONDS=60 long for inputs that break each target of tests/fuzz, or TARGET=name; finds are in build/fuzz
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(FUZZED)
+	$Q$(PYTHON) -m tools.measure.fuzz --folder $(FUZZ) --seconds $(SECONDS) --json $(FUZZ)/fuzz.json $(FUZZED)
