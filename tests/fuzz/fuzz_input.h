@@ -117,21 +117,54 @@ static inline void fuzz_require(bool condition, const char *what)
     }
 }
 
+/** A field of another value: any, one where something ends, or a share of the one it has. */
+static inline int64_t fuzz_other(struct fuzz_input *input, int64_t value)
+{
+    switch (fuzz_below(input, 4)) {
+    case 0:
+        return (int64_t)fuzz_u64(input);
+    case 1:
+        return fuzz_hostile(input);
+    case 2:
+        return value / (1 + fuzz_u8(input));
+    default:
+        return (int64_t)((uint64_t)value * fuzz_u8(input));
+    }
+}
+
+/** One field of `width` bytes, a power of two to 8. */
+static inline void fuzz_change_field(struct fuzz_input *input, uint8_t *field, size_t width)
+{
+    int64_t value = 0;
+
+    memcpy(&value, field, width);
+    if (width == 4U) {
+        value = (int32_t)value;
+    }
+    value = fuzz_other(input, value);
+    memcpy(field, &value, width);
+}
+
 /**
- * A configuration between what a robot has and just any bytes: `memory` as it is, with fields changed. Fields are where
- * they are in any struct, at multiples of their size.
+ * A configuration between what a robot has and just any bytes: `memory` as it is, but for up to 15 fields. Fields are
+ * where they are in any struct, at multiples of their size.
  */
 static inline void fuzz_change(struct fuzz_input *input, void *memory, size_t size)
 {
-    for (unsigned left = fuzz_below(input, 8); left > 0U; left--) {
-        const uint8_t kind = fuzz_u8(input);
-        const size_t width = (size_t)1 << (kind & 3U);
-        const int64_t value = (kind & 4U) != 0U ? fuzz_hostile(input) : (int64_t)fuzz_u64(input);
+    for (unsigned left = fuzz_below(input, 16); left > 0U; left--) {
+        const size_t width = (size_t)1 << fuzz_below(input, 4);
 
         if (width <= size) {
-            memcpy((uint8_t *)memory + width * fuzz_below(input, (uint32_t)(size / width)), &value, width);
+            fuzz_change_field(input, (uint8_t *)memory + width * fuzz_below(input, (uint32_t)(size / width)), width);
         }
     }
 }
+
+/** The same of a whole struct, all of whose bytes may be anything. */
+#define FUZZ_CHANGE(input, object) fuzz_change(input, &(object), sizeof(object))
+
+/** The same without what stands before `member`, such as a name. */
+#define FUZZ_CHANGE_FROM(input, object, member)                                                                        \
+    fuzz_change(input, &(object).member, sizeof(object) - (size_t)((uint8_t *)&(object).member - (uint8_t *)&(object)))
 
 #endif
