@@ -7,6 +7,7 @@ FOLDER/<target>/found-*. With --runs instead of --seconds it begins anew and doe
 input broke a target; 2: bad input.
 """
 import json
+import os
 import random
 import re
 import shutil
@@ -17,6 +18,7 @@ from pathlib import Path
 from tools.common import EXIT_MISSED, ROOT, ArgumentParser, ToolError, print_aligned, run, whole_number, write_whole
 
 SEEDS = ROOT / "tests/fuzz/seeds"
+LEAKS = ROOT / "tests/fuzz/leaks.txt"
 # What the readers of files read.
 FILES = {"robot_file": ["sim/robots"], "map_file": ["sim/maps"], "scenario": ["sim/scenarios"]}
 LONG_SEEDS = (256, 1024, 4096)
@@ -66,8 +68,11 @@ def fuzz(program, options):
                f"-seed={options.seed}", f"-runs={options.runs}" if options.runs else f"-max_total_time={options.seconds}",
                corpus, *seeds_of(target, folder / "seeds")]
     log = folder / "log"
+    environment = os.environ | {"LSAN_OPTIONS": f"suppressions={LEAKS}:print_suppressions=0",
+                                "UBSAN_OPTIONS": "print_stacktrace=1"}
     with log.open("wb") as output:
-        status = subprocess.run(command, stdout=output, stderr=subprocess.STDOUT, check=False).returncode
+        status = subprocess.run(command, stdout=output, stderr=subprocess.STDOUT, env=environment,
+                                check=False).returncode
     text = log.read_text(errors="replace")
     statistics = dict(STATISTIC.findall(text))
     findings = [str(path) for path in sorted(set(folder.glob("found-*")) - before)]
