@@ -20,7 +20,7 @@ from tools.common import EXIT_MISSED, ROOT, ArgumentParser, ToolError, print_ali
 SEEDS = ROOT / "tests/fuzz/seeds"
 LEAKS = ROOT / "tests/fuzz/leaks.txt"
 # What the readers of files read.
-FILES = {"robot_file": ["sim/robots"], "map_file": ["sim/maps"], "scenario": ["sim/scenarios"]}
+FILES = {"robot_file": "sim/robots/*.cfg", "scenario": "sim/scenarios/*.cfg", "map_file": None}
 LONG_SEEDS = (256, 1024, 4096)
 STATISTIC = re.compile(r"^stat::(\w+):\s+(\d+)$", re.M)
 FEATURES = re.compile(r"\bft: (\d+)")
@@ -48,12 +48,17 @@ def write_long_seeds(folder, target):
 
 
 def seeds_of(target, folder):
+    """Folders of seeds."""
     if target not in FILES:
         write_long_seeds(folder, target)
         yield folder
-    for path in [SEEDS / target, *(ROOT / name for name in FILES.get(target, []))]:
-        if path.is_dir():
-            yield path
+    elif FILES[target]:
+        folder.mkdir(parents=True, exist_ok=True)
+        for path in ROOT.glob(FILES[target]):
+            shutil.copy(path, folder)
+        yield folder
+    if (SEEDS / target).is_dir():
+        yield SEEDS / target
 
 
 def fuzz(program, options):
