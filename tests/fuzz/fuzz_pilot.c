@@ -16,8 +16,10 @@ static struct jp_robot robot;
 static struct jp_pilot pilot;
 static struct jp_energy_model model;
 static struct jp_sensors sensors;
-static struct jp_point targets[TARGETS];
-static struct jp_passage passages[TARGETS];
+/* What is driven must stay while the next one is drawn. */
+static struct jp_point all_targets[2][TARGETS];
+static struct jp_passage all_passages[2][TARGETS];
+static unsigned driven;
 static jp_phase wheel;
 static jp_phase yaw;
 
@@ -46,6 +48,8 @@ static void tick(jp_q16 current)
 
 static struct jp_pilot_route draw_route(struct fuzz_input *input)
 {
+    struct jp_point *const targets = all_targets[1U - driven];
+    struct jp_passage *const passages = all_passages[1U - driven];
     const jp_q16 most = fuzz_bool(input) ? JP_Q16(2) : fuzz_bool(input) ? JP_Q16(100) : INT32_MAX;
 
     for (unsigned i = 0; i < TARGETS; i++) {
@@ -75,13 +79,14 @@ static void check_pilot(void)
 static void command(struct fuzz_input *input)
 {
     const struct jp_pilot_route route = draw_route(input);
+    enum jp_status status = JP_ERR_STATE;
 
     switch (fuzz_below(input, 8)) {
     case 0:
         jp_pilot_stop(&pilot);
         break;
     case 1:
-        (void)jp_pilot_ask(&pilot, &route);
+        status = jp_pilot_ask(&pilot, &route);
         break;
     case 2:
         jp_robot_disable(&robot);
@@ -90,9 +95,10 @@ static void command(struct fuzz_input *input)
         (void)jp_robot_enable(&robot);
         break;
     default:
-        (void)jp_pilot_follow(&pilot, &route);
+        status = jp_pilot_follow(&pilot, &route);
         break;
     }
+    driven = status == JP_OK ? 1U - driven : driven;
 }
 
 static bool start(struct fuzz_input *input)

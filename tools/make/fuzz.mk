@@ -1,9 +1,22 @@
 # Fuzzing: clang's libFuzzer looks for inputs that take new branches.
 
-# What a target may take in `make test`: so many inputs beside its seeds, the same each time.
-FUZZ_RUNS ?= 2000
-FUZZ_SEED ?= 1
-FUZZ_LIMIT ?= 120
+# In `make test` a target runs on its seeds and so many other inputs, the same each time: some seconds' worth.
+FUZZ_RUNS             ?= 2000
+FUZZ_RUNS.balancer_ecu = 100
+FUZZ_RUNS.line_path    = 600
+FUZZ_RUNS.balancer     = 1000
+FUZZ_RUNS.four_wheel_robot = 500
+FUZZ_RUNS.localiser    = 400
+FUZZ_RUNS.map_stream   = 600
+FUZZ_RUNS.patrol       = 1500
+FUZZ_RUNS.patrol_ecu   = 100
+FUZZ_RUNS.pilot        = 500
+FUZZ_RUNS.planner      = 200
+FUZZ_RUNS.robot_file   = 600
+FUZZ_RUNS.scenario     = 1200
+FUZZ_RUNS.skid_ecu     = 150
+FUZZ_SEED             ?= 1
+FUZZ_LIMIT            ?= 120
 
 FUZZ := $(BUILD)/fuzz
 FUZZ_PROGRAMS = $(FUZZ_TARGETS:%=$(BUILD)/host-fuzz/%)
@@ -15,7 +28,7 @@ $(BUILD)/host-fuzz/fuzz_%: $(BUILD)/host-fuzz/tests/fuzz/fuzz_%.o $(call host_li
 
 $(LOGS)/host-fuzz/fuzz_%.log: $(BUILD)/host-fuzz/fuzz_% tools/measure/fuzz.py
 	$(call SAY,RUN $<)
-	$Q$(RUN) $@ $(FUZZ_LIMIT) $(PYTHON) -m tools.measure.fuzz --folder $(FUZZ)/short --runs $(FUZZ_RUNS) --seed $(FUZZ_SEED) $<
+	$Q$(RUN) $@ $(FUZZ_LIMIT) $(PYTHON) -m tools.measure.fuzz --folder $(FUZZ)/short --runs $(or $(FUZZ_RUNS.$*),$(FUZZ_RUNS)) --seed $(FUZZ_SEED) $<
 
 SECONDS ?= 60
 TARGET  ?=
