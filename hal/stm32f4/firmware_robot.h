@@ -12,14 +12,15 @@
 #error "FIRMWARE_ROBOT_NAME is set by the Makefile"
 #endif
 
-/* FIRMWARE_SKID_NAME is the same name, for tools that read the files of both kinds. */
+/* FIRMWARE_SKID_NAME is the same name, for tools that read the files of both kinds. FIRMWARE_LATTICE_NAME is, too,
+ * unless the robot finds its way on a lattice of its own. */
 
 #define ROBOT_JOIN(prefix, name)   prefix##name
 #define ROBOT_SYMBOL(prefix, name) ROBOT_JOIN(prefix, name)
 
 /** It finds its way if there are tables for that: the Makefile says so. */
 #ifdef FIRMWARE_NAVIGATES
-#define FIRMWARE_LATTICE    ROBOT_SYMBOL(jp_lattice_, FIRMWARE_ROBOT_NAME)
+#define FIRMWARE_LATTICE    ROBOT_SYMBOL(jp_lattice_, FIRMWARE_LATTICE_NAME)
 #define FIRMWARE_NAVIGATION ROBOT_SYMBOL(jp_navigation_, FIRMWARE_ROBOT_NAME)
 #endif
 

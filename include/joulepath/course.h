@@ -20,6 +20,7 @@
 #include <joulepath/lattice_way.h>
 #include <joulepath/planner.h>
 #include <joulepath/point.h>
+#include <joulepath/pose_field.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -65,9 +66,10 @@ struct jp_course_place {
 
 /** Private. */
 struct jp_course_internal {
-    const struct jp_planner *planner; /**< whose plan it leads along, or null: along the way */
-    const struct jp_lattice_way *way;
-    const struct jp_lattice *lattice; /**< of either */
+    const struct jp_planner *planner;  /**< whose plan it leads along, or null: */
+    const struct jp_lattice_way *way;  /**< along the way, or null: */
+    const struct jp_pose_field *field; /**< along the field to its root */
+    const struct jp_lattice *lattice;  /**< of either */
     struct jp_point start;
     struct jp_point from;         /**< begin of the line that is looked for */
     struct jp_course_place first; /**< place that is left there */
@@ -101,6 +103,12 @@ enum jp_status jp_course_start(struct jp_course *course, const struct jp_planner
  *  JP_ERR_ARGUMENT: a pointer is null. */
 enum jp_status jp_course_start_on_way(struct jp_course *course, const struct jp_lattice_way *way,
                                       const struct jp_way_cell *from, const struct jp_point *start);
+
+/** The same from a pose to the root of a finished field, which must not change until the course is found. Where the map
+ *  has changed so that the way ends before the root, there is no room.
+ *  JP_ERR_ARGUMENT: a pointer is null. JP_ERR_NO_PLAN: the field did not reach the pose. */
+enum jp_status jp_course_start_on_field(struct jp_course *course, const struct jp_pose_field *field,
+                                        const struct jp_lattice_pose *from, const struct jp_point *start);
 
 /** Looks at one more line. Work: jp_course_is_clear(); on a map with elevation also the line, cell by cell. */
 enum jp_course_answer jp_course_work(struct jp_course *course);

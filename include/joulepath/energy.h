@@ -73,6 +73,12 @@ struct jp_leg_energy {
     jp_q16 transient[JP_LEG_TRANSIENTS];
 };
 
+/** An energy that is not known exactly: what a drive will take, what a battery still has. In 2^unit_exponent J. */
+struct jp_forecast {
+    jp_q16 energy;    /**< expected, J */
+    jp_q16 deviation; /**< standard deviation, J */
+};
+
 /** Checks every field. JP_ERR_CONFIG: *field names the first one out of range. JP_ERR_ARGUMENT: a pointer is null.
  *  Not for ISRs. */
 enum jp_status jp_energy_model_check(const struct jp_energy_model *model, const char **field);

@@ -122,6 +122,19 @@ inline int32_t jp_multiply_shift(int32_t a, int32_t b, unsigned shift)
     return shift >= 32U ? (int32_t)scaled : jp_saturate32(scaled);
 }
 
+/** jp_multiply_shift() by a share of −1 to 1, which needs no limit; −1 of x > INT32_MIN only. In a build for size both
+ *  are one function. */
+static inline int32_t jp_share(int32_t x, int32_t share, unsigned shift)
+{
+#if defined(__OPTIMIZE_SIZE__)
+    return jp_multiply_shift(x, share, shift);
+#else
+    int64_t half = (int64_t)1 << (shift - 1);
+
+    return (int32_t)((jp_multiply(x, share) + half) >> shift);
+#endif
+}
+
 /** Products of equal formats, saturated: 0.5 ulp. jp_q31_multiply(−1, −1) is JP_Q31_MAX. */
 static inline jp_q16 jp_q16_multiply(jp_q16 a, jp_q16 b)
 {

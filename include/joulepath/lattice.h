@@ -132,6 +132,16 @@ struct jp_lattice {
     uint32_t version; /**< of the parameters that the costs follow (tariff.h); 0: those of the tables */
 };
 
+/** A set of headings, a bit for each: all of them. */
+#define JP_ANY_HEADING ((uint16_t)0xFFFF)
+
+/** A state. */
+struct jp_lattice_pose {
+    int16_t x; /**< cell */
+    int16_t y;
+    uint8_t heading; /**< 0…JP_HEADINGS − 1, of the lattice */
+};
+
 /** Least cost of turning from one heading to another over any primitives: the least sum of their bases. */
 struct jp_turns {
     uint16_t cost[JP_HEADINGS][JP_HEADINGS]; /**< [from][to]; UINT16_MAX: no primitives lead there */

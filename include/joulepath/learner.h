@@ -105,12 +105,6 @@ struct jp_learner {
     struct jp_learned_watch watch;
 };
 
-/** Energy as expected and how sure that is. */
-struct jp_forecast {
-    jp_q16 energy;    /**< J */
-    jp_q16 deviation; /**< standard deviation, J */
-};
-
 /** Sum of forecasts: the uncertainty of the parameters adds up linearly, the noise of the segments in square. All zero
  * at first. Private. */
 struct jp_forecast_sum {
@@ -188,6 +182,19 @@ enum jp_status jp_forecast_total(const struct jp_learner *learner, const struct 
  */
 enum jp_status jp_forecast_reserve(const struct jp_forecast *forecast, jp_q16 available, jp_q31 confidence,
                                    jp_q16 *spare);
+
+/**
+ * Probability that the energy which is left suffices for a way, of two forecasts in the same unit that err
+ * independently of each other:
+ *
+ *   P(left − way >= 0) = Φ((left − way)/√(σ_left² + σ_way²))
+ *
+ * as Q31, within what 0.001 standard deviations make of it and limited to 0.0001…0.9999: farther out no forecast is
+ * normal. It agrees with jp_forecast_reserve(): something is spare at a confidence where that is at most the
+ * probability. JP_ERR_ARGUMENT: a pointer is null, or a deviation negative. Work: a square root, a division and 31
+ * quantiles.
+ */
+enum jp_status jp_forecast_suffices(const struct jp_forecast *left, const struct jp_forecast *way, jp_q31 *probability);
 
 #ifdef __cplusplus
 }

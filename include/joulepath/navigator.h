@@ -93,6 +93,7 @@ struct jp_progress {
 /** Private: what is looked for. */
 enum jp_navigator_search {
     JP_NAVIGATOR_ROUTE,        /**< the planner's */
+    JP_NAVIGATOR_FIELD,        /**< nothing: the way along the field is known */
     JP_NAVIGATOR_WAY,          /**< there was no route in time: a way of unit steps */
     JP_NAVIGATOR_ROUTE_OR_WAY, /**< there is a way: a route, until the planner has done what it can */
     JP_NAVIGATOR_PROOF,        /**< there is no such way: that there is none at all */
@@ -115,7 +116,8 @@ struct jp_navigator_internal {
     struct jp_point stand;   /**< from which was planned last, m */
     struct jp_goal goal;
     struct jp_navigator_survey survey;
-    struct jp_way_cell start; /**< from which was planned last */
+    struct jp_way_cell start;          /**< from which was planned last */
+    const struct jp_pose_field *field; /**< along which the goal is gone to, or null */
     struct jp_lattice_way way;
     struct jp_reach reach;
     struct jp_point targets[JP_NAVIGATOR_RUN_MAX]; /**< of the run, as odometry counts */
@@ -153,6 +155,13 @@ enum jp_status jp_navigator_init(struct jp_navigator *navigator, const struct jp
  *  that drives brakes first. JP_ERR_STATE: the motors are off. Failures of the goal as
  *  jp_planner_set_goal(). */
 enum jp_status jp_navigator_go(struct jp_navigator *navigator, const struct jp_goal *goal);
+
+/** The same to the root of a field that leads to the goal cell (pose_field.h): where the field is finished and reached
+ * the robot's pose it need not plan, and leaves once it has stood still for its patience. Where lines along the field
+ * have no room it plans as ever. The field must stay until the goal is reached or another is given. Failures as
+ * jp_navigator_go(). */
+enum jp_status jp_navigator_go_along(struct jp_navigator *navigator, const struct jp_goal *goal,
+                                     const struct jp_pose_field *field);
 
 /** Brakes to a stand and forgets the goal. */
 void jp_navigator_stop(struct jp_navigator *navigator);

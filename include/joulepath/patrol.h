@@ -10,13 +10,15 @@
  * Where there is no room to turn, the robot is first STEPPING: with its wheels across, straight to a place with room.
  *
  * With four steered wheels it can also turn while it drives: GLIDING it follows the path at once and turns on the way,
- * to the path's direction or to the goal's heading; its wheels then lead it askew. Whether it turns first or glides is
- * chosen by what each takes (struct jp_patrol_price), where the sweep is free; or, by the strategy of the paper that
- * this behaviour follows, it always turns in place first beyond a fixed angle.
+ * to the path's direction or to the goal's heading; its wheels then lead it askew. Whether it turns first, glides, or
+ * steps to a near goal, sideways or backwards, is chosen by what each takes (struct jp_patrol_price), where the sweep
+ * is free; or, by the strategy of the paper that this behaviour follows, it always turns in place first beyond a fixed
+ * angle. It drives no faster than it can stop on its curve.
  *
  * It yields to people: to who walks, or has walked and may walk on or back. Their places are foreseen, and it goes on
  * no faster than it can without coming near them (struct jp_patrol_people). Towards anything it drives no faster than
- * it can stop before it is nearer than `turn_clearance`; what it passes at the same distance does not slow it.
+ * it can stop 0.1 m before it, or creeps where there is less room; what it passes at the same distance does not slow
+ * it.
  *
  * One call of jp_patrol_cycle() a cycle, 5…20 a second, outside interrupts; its twist goes to jp_four_wheel_tick() in
  * the control tick. In HELD, WAITING, ARRIVED and STOPPED the twist is 0: the wheels stop and keep their angles. A path
@@ -69,7 +71,7 @@ enum {
 struct jp_patrol_price {
     float second;   /**< power of the electronics, and what a second less is worth, W; above 0 */
     float turning;  /**< of turning in place, J/rad; 0 or more */
-    float steering; /**< of steering all wheels at a stand, with the time that it takes, J/rad; 0 or more */
+    float steering; /**< of steering all wheels at a stand, without the time that it takes, J/rad; 0 or more */
 };
 
 /** How people who walk, or have walked and may walk on, are reckoned with. */
@@ -94,6 +96,7 @@ struct jp_patrol_config {
     float turn_first;         /**< heading error beyond which the robot turns in place before it drives, rad: 30° */
     float turn_rate;          /**< in place, rad/s */
     float turn_acceleration;  /**< in place, rad/s² */
+    float steering_rate;      /**< of a wheel at a stand, rad/s */
     float turn_clearance;     /**< of the footprint from obstacles in a turn in place or a step, m; 0 or more */
     float step_speed;         /**< with the wheels across, m/s */
     float horizon;            /**< length of the path that is planned at a time, m */
@@ -139,6 +142,16 @@ struct jp_patrol_counts {
     uint32_t shapes_dropped; /**< obstacles that did not fit */
 };
 
+/** Places where people have walked lately that are remembered: those of a dozen who walk to and fro. */
+#define JP_PATROL_TRODDEN_MAX 256U
+
+/** Private. */
+struct jp_patrol_trodden {
+    struct jp_plane_point place;
+    float radius; /**< of who walked there, m; 0: nobody */
+    float age;    /**< s */
+};
+
 /** Private. */
 struct jp_patrol_internal {
     const struct jp_point *path;
@@ -169,6 +182,9 @@ struct jp_patrol_internal {
     bool is_yielding;      /**< to people */
     float sideways_before; /**< of the last cycle's command, m/s */
     uint16_t unmoved;      /**< cycles since the robot last made progress */
+    uint16_t still;        /**< in a row in which robot and band stood */
+    float yielded;         /**< that it has stood for people, less what it drove since, s */
+    struct jp_patrol_trodden trodden[JP_PATROL_TRODDEN_MAX];
 };
 
 /** The members but `internal` may be read. */

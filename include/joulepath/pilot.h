@@ -107,7 +107,8 @@ struct jp_pilot_drive {
 /** Private. */
 struct jp_pilot_internal {
     struct jp_robot *robot;
-    struct jp_energy_model model; /**< as learned when the last plan began */
+    struct jp_energy_model model;           /**< as learned when the last plan began */
+    struct jp_trajectory_config trajectory; /**< of the robot, with the voltage that the bus has for it */
     struct jp_back_emf back_emf;
     struct jp_pilot_route route;
     enum jp_pilot_question question;
@@ -178,6 +179,18 @@ void jp_pilot_stop(struct jp_pilot *pilot);
  * stands, or stops at the end of the leg), else JP_OK. JP_ERR_ARGUMENT: null.
  */
 enum jp_status jp_pilot_work(struct jp_pilot *pilot);
+
+/**
+ * The bus has so many volts less than the robot was designed for, as from a battery that is low, cold or old: the
+ * nominal voltage less jp_battery_voltage_under(). What is planned from now on takes so much less for its motion, what
+ * balance keeps stays, and no leg is faster than by the share that is left. JP_ERR_ARGUMENT: null, or below 0.
+ * JP_ERR_INFEASIBLE: less than an eighth of the motion's voltage is left; all stays as it was. Constant time.
+ */
+enum jp_status jp_pilot_lack_voltage(struct jp_pilot *pilot, jp_q16 lacking);
+
+/** The cruise of this pilot's plans by a model, m/s: jp_pilot_cruise(), at most limits.speed by the share of the
+ * voltage that is left. */
+jp_q24 jp_pilot_cruise_now(const struct jp_pilot *pilot, const struct jp_energy_model *model);
 
 /* For those who plan or measure without a pilot as it does. Constant time; robot and model passed their checks. */
 

@@ -51,19 +51,12 @@ extern "C" {
 /** Most states of a block; more memory than that is left unused. */
 #define JP_PLANNER_STATES_MAX ((uint32_t)950000)
 
-struct jp_lattice_pose {
-    int16_t x; /**< cell */
-    int16_t y;
-    uint8_t heading; /**< 0…JP_HEADINGS − 1, of the lattice */
-};
-
 /** A goal cell and the set of allowed headings at it, a bit for each. */
 struct jp_goal {
     int16_t x;
     int16_t y;
     uint16_t headings; /**< not 0 */
 };
-#define JP_ANY_HEADING ((uint16_t)0xFFFF)
 
 struct jp_planner_config {
     const struct jp_lattice *lattice; /**< that passed jp_lattice_check(); resolution equal to the map's */

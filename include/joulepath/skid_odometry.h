@@ -94,6 +94,7 @@ struct jp_skid_step {
     int32_t forward;        /* of the robot, m, Q32 */
     int32_t forward_before; /* in the step before */
     int32_t sideways;       /* to the left */
+    int32_t pushed_turn;    /* by the wheels; a robot that is pushed aside skids less; 2⁻³² turn */
     int32_t plan;           /* forward on the map, m, Q32 */
     int32_t heading_turn;   /* on the map, 2⁻³² turn */
     int32_t way_x;          /* on the map, m, Q32 */
@@ -144,6 +145,7 @@ struct jp_skid_slip {
     int32_t along; /* of the last step in its turn, m/turn, Q24 */
     int32_t across;
     jp_q24 turn_force;   /* as learned */
+    int32_t looseness;   /* λ, Q12 */
     int32_t creep_along; /* 2π λ Kx, m/turn, Q24 */
     int32_t creep_across;
     int32_t shift_along; /* 2π Hx, m/turn, Q24 */

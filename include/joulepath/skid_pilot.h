@@ -124,6 +124,7 @@ struct jp_skid_pilot_watch {
 /** Private. */
 struct jp_skid_pilot_internal {
     struct jp_skid_robot *robot;
+    struct jp_path_limits designed; /**< limits before the bus lacked voltage */
     struct jp_skid_pilot_route route;
     jp_angle heading; /**< to turn to, of a route without targets */
     enum jp_skid_pilot_question question;
@@ -190,6 +191,14 @@ enum jp_status jp_skid_pilot_ask(struct jp_skid_pilot *pilot, const struct jp_sk
  * a leg, the sum or its deviation is above 32 767 units; else as jp_skid_pilot_work(). With jp_forecast_reserve() it
  * answers "can I go there and come back?". */
 enum jp_status jp_skid_pilot_answer(const struct jp_skid_pilot *pilot, struct jp_forecast *forecast);
+
+/**
+ * The bus has so many volts less than the robot was designed for, as from a battery that is low, cold or old: the
+ * nominal voltage less jp_battery_voltage_under(). What is planned from now on is slower by what they turn the wheels
+ * of a side, config.limits.speed and side_speed. JP_ERR_ARGUMENT: null, or below 0. JP_ERR_INFEASIBLE: less than an
+ * eighth of the speed is left; all stays as it was. Two 64-bit divisions.
+ */
+enum jp_status jp_skid_pilot_lack_voltage(struct jp_skid_pilot *pilot, jp_q16 lacking);
 
 /** Brakes to a stand and forgets the route, at the next tick. From the context of jp_skid_pilot_work(); constant time.
  */

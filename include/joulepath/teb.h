@@ -12,8 +12,9 @@
  * - acceleration: |Δv|/ΔT − acceleration and |Δω|/ΔT − turn_acceleration, where above 0, from the start's to the goal's
  * - obstacles: clearance − distance of the footprint, where above 0
  * - path: distance from the path to be followed
- * - time: ΔT
- * - slowness: (speed_max ΔT − l)/speed_max, where above 0: makes the time convex below the speed limit
+ * - time: √(2 ΔT), so that each second costs the same
+ * - way: √(2 √(l² + δ²)) with δ = 1 cm, so that each metre does
+ * - drag: l √(2/ΔT): what a metre costs more the faster it is driven, in proportion
  * - no reversing: −l/ΔT_ref, where above 0
  * - odometry: first pose against the wheels' prediction and against the laser's measurement
  *
@@ -43,7 +44,10 @@ extern "C" {
 /** Footprint and obstacle may overlap by so much and count as separate, m: scans enlarge obstacles. */
 #define JP_TEB_OVERLAP_MAX 0.02f
 
-/** Weights of the squared residuals; 0 or more. */
+/** Weights of the squared residuals; 0 or more. Half of each square counts, so second, metre and drag are what a
+ * second, a metre, and a metre at 1 m/s cost: in proportion to the joules that they take, the price of time included,
+ * the band is one of least energy, at the speed √(second/drag) where nothing limits it. `obstacle` is the price of
+ * clearance. */
 struct jp_teb_weights {
     float nonholonomic;
     float speed;
@@ -53,8 +57,9 @@ struct jp_teb_weights {
     float turn_acceleration;
     float obstacle;
     float path;
-    float time;
-    float slowness;
+    float second;
+    float metre;
+    float drag;
     float no_reversing;   /**< 0: reversing is allowed */
     float wheel_odometry; /**< of the first pose; if this and laser_odometry are 0, it is the wheels' pose */
     float laser_odometry;

@@ -62,6 +62,10 @@ static inline uint32_t jp_wavefront_value_max(const struct jp_wavefront *wave)
  *  wave will stop a quarter beyond the target's value. Constant time. */
 void jp_wavefront_start(struct jp_wavefront *wave, uint32_t step, uint16_t target_x, uint16_t target_y);
 
+/** The same without a target: the wave will stop at values beyond `horizon`, which is below jp_wavefront_value_max().
+ *  Constant time. */
+void jp_wavefront_start_up_to(struct jp_wavefront *wave, uint32_t step, uint32_t horizon);
+
 static inline bool jp_wavefront_is_clear(const struct jp_wavefront *wave)
 {
     return wave->clear_row == wave->height;

@@ -33,11 +33,26 @@ double world_tick_seconds(const struct world *world)
     return 1.0 / world->robot.control.rate_hz;
 }
 
+void world_feed(struct world *world, const struct cell_constants *cell, const struct cell_wiring *wiring,
+                const struct cell_condition *condition)
+{
+    cell_pack_init(&world->pack, cell, wiring, condition);
+    world->bus_voltage = cell_pack_source(&world->pack).open_v;
+    world->has_pack = true;
+}
+
+static struct cell_source source_of(const struct world *world)
+{
+    return world->has_pack ? cell_pack_source(&world->pack)
+                           : (struct cell_source){world->robot.supply.voltage_v, world->robot.supply.resistance_ohm};
+}
+
 /* Bus voltage with both motors' and the electronics' current: V = V0 − R (Σ d·i + Ps/V0), i = (d·V − e)/Rm. */
 static double sagged_voltage(const struct world *world, double duty_left, double duty_right)
 {
-    const double open = world->robot.supply.voltage_v;
-    const double resistance = world->robot.supply.resistance_ohm;
+    const struct cell_source supply = source_of(world);
+    const double open = supply.open_v;
+    const double resistance = supply.resistance_ohm;
     if (resistance == 0.0) {
         return open;
     }
@@ -49,8 +64,18 @@ static double sagged_voltage(const struct world *world, double duty_left, double
     return source / (1.0 + ratio * (duty_left * duty_left + duty_right * duty_right));
 }
 
+/* The cells give what the robot has taken in a tick. */
+static void draw(struct world *world, double electrical)
+{
+    const double seconds = world_tick_seconds(world);
+    const double watts = electrical / seconds + world->robot.electronics.power_w;
+
+    cell_pack_step(&world->pack, watts / world->bus_voltage, seconds);
+}
+
 void world_step(struct world *world)
 {
+    const double electrical = world->plant.ledger.electrical;
     const bool driven = world->actuation.enabled != 0;
     const bool pushed = world->tick < world->push_until;
     const double duty_left = driven ? digital_duty(world->actuation.duty_left, world->robot.pwm.bits) : 0.0;
@@ -63,6 +88,9 @@ void world_step(struct world *world)
                                         .push_n = pushed ? world->push_n : 0.0,
                                         .yaw_torque_nm = pushed ? world->yaw_torque_nm : 0.0};
     plant_step(&world->plant, &world->input, world_tick_seconds(world));
+    if (world->has_pack) {
+        draw(world, world->plant.ledger.electrical - electrical);
+    }
     world->tick++;
 }
 

@@ -8,6 +8,7 @@
 #define JOULEPATH_SIM_BALANCER_WORLD_H
 
 #include "sim/balancer/instruments.h"
+#include "sim/base/cell_pack.h"
 #include "sim/base/world_fault.h"
 
 struct world {
@@ -18,6 +19,8 @@ struct world {
     struct jp_actuation actuation; /**< as last written */
     struct plant_input input;      /**< of the last step */
     double bus_voltage;            /**< of the last step, V */
+    struct cell_pack pack; /**< what feeds it, when has_pack; else supply of the robot file, which never empties */
+    bool has_pack;
     uint64_t tick;
     double push_n; /**< acts until push_until */
     double yaw_torque_nm;
@@ -34,6 +37,10 @@ void world_init(struct world *world, const struct robot_file *robot, uint64_t se
  * encoder.counts_per_turn, wheel.radius_m or body.width_m differ: the encoders would jump.
  */
 bool world_change_robot(struct world *world, const struct robot_file *robot);
+
+/** From now on cells feed it. */
+void world_feed(struct world *world, const struct cell_constants *cell, const struct cell_wiring *wiring,
+                const struct cell_condition *condition);
 
 /** One tick of 1/rate_hz under the last actuation, applied at its PWM's resolution from the sagging supply. */
 void world_step(struct world *world);

@@ -78,7 +78,8 @@ static enum jp_status navigate_skid(struct ecu_node *node, struct jp_ecu *ecu, c
         return JP_OK;
     }
     (void)jp_skid_vehicle_init(&skid->vehicle, &skid->robot.pilot, &vehicle);
-    return navigate(node, ecu, entry->lattice, entry->navigation, &vehicle, entry->energy->unit_exponent, field);
+    return navigate(node, ecu, entry->navigation_lattice, entry->navigation, &vehicle, entry->energy->unit_exponent,
+                    field);
 }
 
 static enum jp_status boot_skid(void *context, struct jp_ecu *ecu, const struct jp_can_port *port, const char **field)

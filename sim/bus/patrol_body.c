@@ -44,9 +44,8 @@ static uint32_t count_of(const struct patrol_body *body, int wheel)
 
 void patrol_body_read(const struct patrol_body *body, struct jp_four_wheel_sensors *sensors)
 {
-    *sensors =
-        (struct jp_four_wheel_sensors){.bus_voltage = digital_fixed(body->robot->electronics.voltage_v, JP_Q16_ONE),
-                                       .bus_current = digital_fixed(body->current, JP_Q16_ONE)};
+    *sensors = (struct jp_four_wheel_sensors){.bus_voltage = digital_fixed(body->plant.bus_voltage, JP_Q16_ONE),
+                                              .bus_current = digital_fixed(body->current, JP_Q16_ONE)};
     for (int i = 0; i < JP_WHEELS; i++) {
         sensors->count[i] = count_of(body, i);
         sensors->angle[i] = body->plant.measured.angle[i];
@@ -138,8 +137,7 @@ void patrol_body_step(struct patrol_body *body)
 
     four_wheel_plant_tick(&body->plant, &wheels);
     patrol_world_step(&body->world, &body->plant.state.pose, body->is_world_moving ? TICK : 0);
-    amperes =
-        (body->plant.ledger.battery - body->last_battery) * FOUR_WHEEL_RATE_HZ / body->robot->electronics.voltage_v;
+    amperes = (body->plant.ledger.battery - body->last_battery) * FOUR_WHEEL_RATE_HZ / body->plant.bus_voltage;
     body->last_battery = body->plant.ledger.battery;
     body->current = rint(amperes / CURRENT_STEP) * CURRENT_STEP;
     body->tick++;

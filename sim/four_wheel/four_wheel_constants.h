@@ -104,8 +104,7 @@ struct four_wheel_file {
         double turn_acceleration_s4_per_rad2;
         double obstacle_per_m2;
         double path_per_m2;
-        double time_per_s2;
-        double slowness_per_s2;
+        double energy_per_j;
         double no_reversing_s2_per_m2;
         double wheel_odometry_per_m2; /**< and rad², as below */
         double laser_odometry_per_m2;

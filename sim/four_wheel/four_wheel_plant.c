@@ -275,6 +275,26 @@ void four_wheel_plant_init(struct four_wheel_plant *plant, const struct four_whe
                            const struct planar_pose *pose)
 {
     *plant = (struct four_wheel_plant){.robot = robot, .state = {.pose = *pose}};
+    plant->bus_voltage = robot->electronics.voltage_v;
+}
+
+void four_wheel_plant_feed(struct four_wheel_plant *plant, const struct cell_constants *cell,
+                           const struct cell_wiring *wiring, const struct cell_condition *condition)
+{
+    cell_pack_init(&plant->pack, cell, wiring, condition);
+    plant->bus_voltage = cell_pack_source(&plant->pack).open_v;
+    plant->has_pack = true;
+}
+
+/* The cells give what a tick took: V I = P, V = V0 − R I. */
+static void draw(struct four_wheel_plant *plant, double joules)
+{
+    const struct cell_source source = cell_pack_source(&plant->pack);
+    const double watts = joules * FOUR_WHEEL_RATE_HZ;
+    const double root = sqrt(fmax(square(source.open_v) - 4 * source.resistance_ohm * watts, 0));
+
+    plant->bus_voltage = (source.open_v + root) / 2;
+    cell_pack_step(&plant->pack, watts / plant->bus_voltage, 1.0 / FOUR_WHEEL_RATE_HZ);
 }
 
 bool four_wheel_plant_add_patch(struct four_wheel_plant *plant, const struct four_wheel_patch *patch)
@@ -291,6 +311,7 @@ void four_wheel_plant_tick(struct four_wheel_plant *plant, const struct jp_wheel
     const double limit = plant->robot->steering.limit_deg * M_PI / 180;
     struct wheel_input inputs[JP_WHEELS];
     double roll[JP_WHEELS];
+    const double given = plant->ledger.battery;
 
     for (int i = 0; i < JP_WHEELS; i++) {
         inputs[i].angle = clamp(targets->angle[i] / TURN_2_32 * 2 * M_PI, limit);
@@ -302,6 +323,9 @@ void four_wheel_plant_tick(struct four_wheel_plant *plant, const struct jp_wheel
             stand(plant, i, &inputs[i]);
         }
         step(plant, inputs);
+    }
+    if (plant->has_pack) {
+        draw(plant, plant->ledger.battery - given);
     }
     plant->slip_max = 0;
     for (int i = 0; i < JP_WHEELS; i++) {

@@ -14,6 +14,7 @@
 
 #include <joulepath/four_wheel.h>
 
+#include "sim/base/cell_pack.h"
 #include "sim/base/planar.h"
 #include "sim/four_wheel/four_wheel_constants.h"
 
@@ -77,7 +78,10 @@ struct four_wheel_plant {
     struct four_wheel_ledger ledger;
     struct four_wheel_patch patches[FOUR_WHEEL_PATCHES_MAX];
     size_t patch_count;
+    struct cell_pack pack; /**< what feeds it, when has_pack; else the voltage of the robot file, which never falls */
+    bool has_pack;
     struct jp_wheels measured; /**< by the encoders, at the end of the last tick; speed: mean of the tick */
+    double bus_voltage;        /**< at the end of the last tick, V */
     double slip_max;           /**< largest slip velocity of a contact at the end of the last tick, m/s */
 };
 
@@ -87,6 +91,10 @@ void four_wheel_plant_init(struct four_wheel_plant *plant, const struct four_whe
 
 /** False when there are FOUR_WHEEL_PATCHES_MAX already. */
 bool four_wheel_plant_add_patch(struct four_wheel_plant *plant, const struct four_wheel_patch *patch);
+
+/** From now on cells feed it. Its servos take what power they need at whatever voltage. */
+void four_wheel_plant_feed(struct four_wheel_plant *plant, const struct cell_constants *cell,
+                           const struct cell_wiring *wiring, const struct cell_condition *condition);
 
 /** One tick of 1/FOUR_WHEEL_RATE_HZ towards these wheel angles and speeds; angles beyond the limit stop there. */
 void four_wheel_plant_tick(struct four_wheel_plant *plant, const struct jp_wheels *targets);

@@ -35,8 +35,38 @@ static struct jp_footprint footprint(const struct four_wheel_file *robot)
     return (struct jp_footprint){half_length, half_length, (float)(robot->body.width_m / 2)};
 }
 
+/* Of a second: electronics, and what a second less is worth, W. */
+static double second_price(const struct four_wheel_file *robot)
+{
+    return robot->electronics.power_w + robot->turning.second_w;
+}
+
+/* Of a metre, whatever its speed, J/m. */
+static double metre_price(const struct four_wheel_file *robot)
+{
+    return robot->tyre.rolling * robot->body.mass_kg * FOUR_WHEEL_GRAVITY / robot->drive.efficiency;
+}
+
+/* Of a metre, by its speed, J·s/m². */
+static double drag_price(const struct four_wheel_file *robot)
+{
+    const double radius = robot->wheel.radius_m;
+
+    return JP_WHEELS * robot->drive.friction_nm_s_per_rad / (radius * radius) / robot->drive.efficiency;
+}
+
+/* The speed at which a metre costs least, if the band may be so fast. */
+static double best_speed(const struct four_wheel_file *robot)
+{
+    const double drag = drag_price(robot);
+
+    return drag > 0 ? fmin(robot->band.speed_m_s, sqrt(second_price(robot) / drag)) : robot->band.speed_m_s;
+}
+
 static struct jp_teb_weights weights(const struct four_wheel_file *robot)
 {
+    const double joule = robot->weights.energy_per_j;
+
     return (struct jp_teb_weights){
         .nonholonomic = (float)robot->weights.nonholonomic_per_m2,
         .speed = (float)robot->weights.speed_s2_per_m2,
@@ -46,8 +76,9 @@ static struct jp_teb_weights weights(const struct four_wheel_file *robot)
         .turn_acceleration = (float)robot->weights.turn_acceleration_s4_per_rad2,
         .obstacle = (float)robot->weights.obstacle_per_m2,
         .path = (float)robot->weights.path_per_m2,
-        .time = (float)robot->weights.time_per_s2,
-        .slowness = (float)robot->weights.slowness_per_s2,
+        .second = (float)(joule * second_price(robot)),
+        .metre = (float)(joule * metre_price(robot)),
+        .drag = (float)(joule * drag_price(robot)),
         .no_reversing = (float)robot->weights.no_reversing_s2_per_m2,
         .wheel_odometry = (float)robot->weights.wheel_odometry_per_m2,
         .laser_odometry = (float)robot->weights.laser_odometry_per_m2,
@@ -57,7 +88,7 @@ static struct jp_teb_weights weights(const struct four_wheel_file *robot)
 static struct jp_teb_config band(const struct four_wheel_file *robot)
 {
     return (struct jp_teb_config){
-        .speed_max = (float)robot->band.speed_m_s,
+        .speed_max = (float)best_speed(robot),
         .reverse_max = (float)robot->band.reverse_m_s,
         .turn_rate_max = (float)robot->band.turn_rate_rad_s,
         .acceleration = (float)robot->band.acceleration_m_s2,
@@ -108,17 +139,15 @@ static struct jp_patrol_people people(const struct four_wheel_file *robot)
 static struct jp_patrol_price price(const struct four_wheel_file *robot)
 {
     const double arm = hypot(robot->body.wheelbase_m, robot->body.track_m) / 2;
-    const double rolling = robot->tyre.rolling * robot->body.mass_kg * FOUR_WHEEL_GRAVITY;
     const double scrub = robot->steering.friction_nm / robot->steering.torque_constant_nm_a;
 
-    const double second = robot->electronics.power_w + robot->turning.second_w;
     const double wheel = robot->steering.friction_nm / robot->steering.efficiency +
                          scrub * scrub * robot->steering.resistance_ohm / robot->steering.rate_rad_s;
 
     return (struct jp_patrol_price){
-        .second = (float)second,
-        .turning = (float)(rolling * arm / robot->drive.efficiency),
-        .steering = (float)(JP_WHEELS * wheel + second / robot->steering.rate_rad_s),
+        .second = (float)second_price(robot),
+        .turning = (float)(metre_price(robot) * arm),
+        .steering = (float)(JP_WHEELS * wheel),
     };
 }
 
@@ -137,6 +166,7 @@ struct jp_patrol_config patrol_config(const struct four_wheel_file *robot, enum 
         .turn_first = (float)(robot->turning.from_deg * RADIANS_PER_DEGREE),
         .turn_rate = (float)robot->turning.rate_rad_s,
         .turn_acceleration = (float)robot->turning.acceleration_rad_s2,
+        .steering_rate = (float)robot->steering.rate_rad_s,
         .turn_clearance = (float)robot->turning.clearance_m,
         .step_speed = (float)robot->turning.step_m_s,
         .horizon = (float)robot->patrol.horizon_m,

@@ -1,5 +1,6 @@
 #include "sim/missions/navigation.h"
 
+#include <joulepath/return_map.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -20,6 +21,12 @@
 #define SENSOR_RATE 20
 #define FRAME_RATE  20
 
+/** Drives of a trip. */
+#define OUT_AND_HOME 2U
+
+/** Poses of the way home of a slice. */
+#define HOME_SLICE 500
+
 struct navigation {
     const struct navigation_task *task;
     const struct navigation_robot *robot;
@@ -29,9 +36,14 @@ struct navigation {
     struct jp_course_leg legs[NAVIGATION_LEGS];
     void *way;
     size_t way_size;
+    struct jp_home home;
+    struct jp_course_leg home_legs[NAVIGATION_LEGS];
+    void *home_block;
+    bool was_out; /* on its way to the goal */
     struct clearance_pose start;
     struct clearance_pose before;
     double joules_before;
+    double given_before;
     bool has_forecast;
     bool has_new_course;
 };
@@ -64,6 +76,152 @@ static bool tell(void *context, int x, int y, enum jp_cell cell)
     return true;
 }
 
+/* ---- The battery ---- */
+
+static double given_of(const struct navigation *navigation)
+{
+    const struct navigation_robot *robot = navigation->robot;
+
+    return robot->given != NULL ? robot->given(robot->self) : robot->joules(robot->self);
+}
+
+static double spent_of(const struct navigation *navigation)
+{
+    return given_of(navigation) - navigation->given_before;
+}
+
+static jp_q16 vehicle_energy(const struct navigation *navigation, double joules)
+{
+    return (jp_q16)lround(ldexp(joules, 16 - navigation->robot->unit_exponent));
+}
+
+/** What it has given is metered; what was in it is not known so well. */
+static bool tell_left(void *context, struct jp_forecast *left)
+{
+    const struct navigation *navigation = context;
+    const struct navigation_battery *battery = navigation->task->battery;
+
+    *left = (struct jp_forecast){vehicle_energy(navigation, battery->believed - spent_of(navigation)),
+                                 vehicle_energy(navigation, battery->deviation)};
+    return true;
+}
+
+static double probability_of(const struct navigation *navigation, struct jp_home_answer *answer)
+{
+    return navigation->task->battery != NULL && jp_home_ask(&navigation->home, answer) == JP_OK
+               ? ldexp(answer->probability, -31)
+               : NAN;
+}
+
+/** It has left the goal, or turns back. */
+static void note_turn(struct navigation *navigation)
+{
+    struct jp_home_answer answer;
+
+    navigation->result->joules_at_turn = spent_of(navigation);
+    if (jp_home_ask(&navigation->home, &answer) == JP_OK) {
+        navigation->result->way_joules = vehicle_joules(navigation, answer.way.energy);
+        navigation->result->way_deviation_joules = vehicle_joules(navigation, answer.way.deviation);
+    }
+}
+
+/** Of a way of this cost, %; −1: there is none. */
+static int8_t percent_of(const struct navigation *navigation, const struct jp_forecast *left, jp_cost cost)
+{
+    struct jp_forecast way;
+    jp_q31 probability = 0;
+
+    if (cost == JP_COST_MAX || jp_home_expect(&navigation->home, cost, OUT_AND_HOME, &way) != JP_OK) {
+        return -1;
+    }
+    (void)jp_forecast_suffices(left, &way, &probability);
+    return (int8_t)lround(ldexp(probability, -31) * 100);
+}
+
+static void tell_reach(struct navigation *navigation, const struct jp_return_map *map)
+{
+    const struct jp_terrain_config *cells = &navigation->task->map->config;
+    struct jp_forecast left = {0, 0};
+
+    (void)tell_left(navigation, &left);
+    for (int32_t i = 0; i < cells->width * cells->height; i++) {
+        navigation->task->battery->reach[i] =
+            percent_of(navigation, &left, jp_return_map_cost(map, i % cells->width, i / cells->width));
+    }
+}
+
+/** What the way out and home takes by the return map; 0: there is none, or no memory. */
+static struct jp_forecast round_trip(struct navigation *navigation)
+{
+    const struct navigation_task *task = navigation->task;
+    const size_t size = jp_return_map_size(&task->map->config);
+    void *block = malloc(size);
+    struct jp_return_map map;
+    struct jp_forecast way = {0, 0};
+
+    if (block != NULL && jp_return_map_init(&map, task->lattice, task->map, block, size) == JP_OK &&
+        jp_return_map_start(&map, &task->start, task->start.x, task->start.y, JP_COST_MAX - 2) == JP_OK) {
+        while (!jp_return_map_work(&map, 100000)) {
+            /* Slice by slice. */
+        }
+        const jp_cost cost = jp_return_map_cost(&map, task->goal.x, task->goal.y);
+
+        if (cost != JP_COST_MAX) {
+            (void)jp_home_expect(&navigation->home, cost, OUT_AND_HOME, &way);
+        }
+        if (task->battery->reach != NULL) {
+            tell_reach(navigation, &map);
+        }
+    }
+    free(block);
+    return way;
+}
+
+/** It knows what it can before it drives. */
+static void note_leave(struct navigation *navigation)
+{
+    struct navigation_battery *battery = navigation->task->battery;
+
+    if (battery->leave != NULL || battery->reach != NULL) {
+        const struct jp_forecast way = round_trip(navigation);
+
+        navigation->result->trip_joules = vehicle_joules(navigation, way.energy);
+        navigation->result->trip_deviation_joules = vehicle_joules(navigation, way.deviation);
+    }
+    if (battery->leave != NULL) {
+        battery->leave(battery->context, battery, navigation->result->trip_joules,
+                       navigation->result->trip_deviation_joules);
+        battery->believed += spent_of(navigation);
+        battery->joules += spent_of(navigation);
+    }
+    navigation->result->joules_at_leave = spent_of(navigation);
+}
+
+/** The navigator's work and what is beyond it: back from the goal. */
+static enum jp_navigator_state work(struct navigation *navigation)
+{
+    struct navigation_result *result = navigation->result;
+
+    if (navigation->task->battery == NULL) {
+        return jp_navigator_work(&navigation->navigator);
+    }
+    const enum jp_home_state state = jp_home_work(&navigation->home);
+
+    if (navigation->was_out && state != JP_HOME_OUT) {
+        note_turn(navigation);
+    }
+    if (!navigation->was_out && state == JP_HOME_OUT) {
+        note_leave(navigation);
+    }
+    navigation->was_out = state == JP_HOME_OUT;
+    if (state == JP_HOME_AT_GOAL) {
+        (void)jp_home_return(&navigation->home);
+    }
+    result->is_stranded =
+        result->is_stranded || (state != JP_HOME_HOME && spent_of(navigation) > navigation->task->battery->joules);
+    return navigation->navigator.state;
+}
+
 /* ---- The drive ---- */
 
 static void copy_course(const struct navigation *navigation, struct navigation_course *course)
@@ -79,9 +237,14 @@ static void show(struct navigation *navigation)
 {
     struct jp_progress progress = {.length = 0};
     struct navigation_course course;
+    struct jp_home_answer answer;
+    const double probability = probability_of(navigation, &answer);
 
     copy_course(navigation, &course);
     (void)jp_navigator_progress(&navigation->navigator, &progress);
+    if (navigation->was_out) {
+        navigation->result->least_probability = fmin(navigation->result->least_probability, probability);
+    }
     const struct navigation_frame frame = {.seconds = navigation->result->seconds,
                                            .pose = pose_of(navigation),
                                            .joules = joules_of(navigation) - navigation->joules_before,
@@ -90,6 +253,7 @@ static void show(struct navigation *navigation)
                                            .replans = navigation->navigator.replans,
                                            .left_m = progress.length / Q16,
                                            .left_s = progress.duration / Q16,
+                                           .probability = probability,
                                            .new_course = navigation->has_new_course ? &course : NULL};
 
     if (navigation->task->watch != NULL) {
@@ -136,7 +300,7 @@ static void tick(struct navigation *navigation, uint64_t tick)
     }
     if (rate <= WORK_RATE || tick % (rate / WORK_RATE) == 0) {
         const enum jp_navigator_state before = navigation->navigator.state;
-        const enum jp_navigator_state state = jp_navigator_work(&navigation->navigator);
+        const enum jp_navigator_state state = work(navigation);
 
         navigation->has_new_course =
             navigation->has_new_course || (before == JP_NAVIGATOR_JOINING && state == JP_NAVIGATOR_TURNING);
@@ -146,6 +310,9 @@ static void tick(struct navigation *navigation, uint64_t tick)
 
 static bool is_over(const struct navigation *navigation)
 {
+    if (navigation->task->battery != NULL) {
+        return navigation->home.state >= JP_HOME_HOME || navigation->result->is_stranded;
+    }
     return navigation->navigator.state >= JP_NAVIGATOR_ARRIVED;
 }
 
@@ -159,6 +326,12 @@ static void conclude(struct navigation *navigation)
     result->status = navigation->navigator.status;
     result->replans = navigation->navigator.replans;
     result->joules = joules_of(navigation) - navigation->joules_before;
+    result->given_joules = spent_of(navigation);
+    result->home = navigation->home.state;
+    result->has_turned_back = navigation->home.has_turned_back;
+    if (navigation->task->battery != NULL && navigation->task->battery->factor != NULL) {
+        *navigation->task->battery->factor = navigation->home.factor;
+    }
     result->is_late = !is_over(navigation);
     result->goal_error_m = navigation_goal_error(navigation->task, &pose);
     if (navigation->robot->deviation != NULL) {
@@ -171,7 +344,8 @@ static bool drive(struct navigation *navigation)
 {
     const struct navigation_task *task = navigation->task;
     const double rate = navigation->robot->rate_hz;
-    const enum jp_status status = jp_navigator_go(&navigation->navigator, &task->goal);
+    const enum jp_status status = task->battery != NULL ? jp_home_go(&navigation->home, &task->goal)
+                                                        : jp_navigator_go(&navigation->navigator, &task->goal);
 
     if (status != JP_OK) {
         error_line("--goal: the robot cannot stand there; give another place");
@@ -186,6 +360,33 @@ static bool drive(struct navigation *navigation)
 }
 
 /* ---- Preparation ---- */
+
+/** Where it begins. */
+static bool prepare_home(struct navigation *navigation)
+{
+    const struct navigation_task *task = navigation->task;
+    const struct jp_home_config config = {.navigator = &navigation->navigator,
+                                          .x = task->start.x,
+                                          .y = task->start.y,
+                                          .confidence = (jp_q31)(task->battery->confidence * 0x1p31),
+                                          .left = tell_left,
+                                          .context = navigation,
+                                          .legs = navigation->home_legs,
+                                          .legs_max = NAVIGATION_LEGS,
+                                          .slice = HOME_SLICE,
+                                          .block = navigation->home_block,
+                                          .size = jp_home_size(&task->map->config)};
+    const char *field = "";
+
+    if (jp_home_init(&navigation->home, &config, &field) != JP_OK) {
+        error_line("--home: %s is refused; begin where the robot can stand", field != NULL ? field : "the place");
+        return false;
+    }
+    if (task->battery->factor != NULL) {
+        navigation->home.factor = *task->battery->factor;
+    }
+    return true;
+}
 
 static bool prepare_navigator(struct navigation *navigation, void *block)
 {
@@ -215,17 +416,18 @@ static bool prepare_navigator(struct navigation *navigation, void *block)
         error_line("%s: %s is out of the range of the navigator on this map; take other cells", robot->name, field);
         return false;
     }
-    return true;
+    return task->battery == NULL || prepare_home(navigation);
 }
 
 static void describe(struct navigation *navigation, const struct navigation_task *task,
                      const struct navigation_robot *robot, struct navigation_result *result)
 {
-    *result = (struct navigation_result){.clearance_m = NAVIGATION_CLEARANCE_MAX};
+    *result = (struct navigation_result){.clearance_m = NAVIGATION_CLEARANCE_MAX, .least_probability = 1};
     navigation->task = task;
     navigation->result = result;
     navigation->robot = robot;
     navigation->joules_before = joules_of(navigation);
+    navigation->given_before = given_of(navigation);
     navigation->start = navigation_start(task);
     navigation->before = navigation->start;
     navigation->way_size = jp_navigator_way_size(&task->map->config);
@@ -241,14 +443,17 @@ bool navigation_run(const struct navigation_task *task, const struct navigation_
     if (navigation != NULL) {
         describe(navigation, task, robot, result);
         navigation->way = malloc(navigation->way_size);
+        navigation->home_block = task->battery != NULL ? malloc(jp_home_size(&task->map->config)) : NULL;
     }
-    if (navigation == NULL || navigation->way == NULL || block == NULL) {
+    if (navigation == NULL || navigation->way == NULL || block == NULL ||
+        (task->battery != NULL && navigation->home_block == NULL)) {
         error_line("--memory %zu: this computer has not that much; give less", task->memory / 1024);
     } else {
         is_done = prepare_navigator(navigation, block) && drive(navigation);
     }
     if (navigation != NULL) {
         free(navigation->way);
+        free(navigation->home_block);
     }
     free(navigation);
     free(block);

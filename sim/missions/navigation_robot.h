@@ -21,6 +21,9 @@ struct navigation_robot {
     struct clearance_pose (*pose)(const void *self);
     /** J that it spent since it was switched on, as its vehicle's model counts them. */
     double (*joules)(const void *self);
+    /** J that its battery gave at its terminals since then: what a robot's model learns, without what the battery burns
+     * inside. NULL: `joules`. */
+    double (*given)(const void *self);
     /** Standard deviation of its position as its odometry tells, m, in the worst direction; NULL: it does not tell. */
     double (*deviation)(const void *self);
 };

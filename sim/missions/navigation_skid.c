@@ -36,6 +36,13 @@ static double joules(const void *self)
     return skid->world.plant.state.ledger.battery;
 }
 
+static double given(const void *self)
+{
+    const struct navigation_skid *skid = self;
+
+    return skid->world.plant.state.ledger.battery - skid->world.plant.state.ledger.supply;
+}
+
 /** The root of the larger eigenvalue of the covariance. */
 static double deviation(const void *self)
 {
@@ -129,6 +136,7 @@ bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_
                                        .tick = tick,
                                        .pose = pose,
                                        .joules = joules,
+                                       .given = given,
                                        .deviation = deviation};
     *skid = (struct navigation_skid){.written = JP_OK};
     skid_world_init(&skid->world, model, &ground, &place, seed);

@@ -2,7 +2,7 @@
 #ifndef JOULEPATH_SIM_MISSIONS_NAVIGATION_TASK_H
 #define JOULEPATH_SIM_MISSIONS_NAVIGATION_TASK_H
 
-#include <joulepath/navigator.h>
+#include <joulepath/home.h>
 
 #include "sim/base/clearance.h"
 #include "sim/files/map_file.h"
@@ -33,7 +33,27 @@ struct navigation_frame {
     unsigned replans;
     double left_m;
     double left_s;
+    double probability;                         /**< that it comes home; NaN: nobody asks, or it is not known */
     const struct navigation_course *new_course; /**< begun since the frame before; NULL: none */
+};
+
+/** What is in the battery of a robot that comes back to where it began: J of the energy that the vehicle's model
+ * counts. */
+struct navigation_battery {
+    double joules;                 /**< truly */
+    double believed;               /**< by the battery's own estimate, */
+    double deviation;              /**< which states this deviation */
+    double confidence;             /**< with which the robot shall come home; below it it turns back; 0: never */
+    struct jp_home_factor *factor; /**< what it has learned of courses, kept; NULL: a new robot's */
+    /** When all is known that can be before it leaves: what the way to the goal and home takes by the return map, J;
+     * NULL: nobody asks. May change what is in the battery. */
+    /** Of each cell, row by row from the south, before the robot leaves: how probably it goes there and comes home, %;
+     * −1: no way leads there. NULL: nobody asks. */
+    int8_t *reach;
+    /** When all is known that can be before it leaves: what the way to the goal and home takes by the return map, J;
+     * NULL: nobody asks. May change what is in the battery. */
+    void (*leave)(void *context, struct navigation_battery *battery, double joules, double deviation);
+    void *context;
 };
 
 struct navigation_task {
@@ -48,6 +68,7 @@ struct navigation_task {
     size_t memory;   /**< of the planner, bytes */
     double patience; /**< simulated seconds after which the drive is given up */
     uint64_t seed;
+    struct navigation_battery *battery; /**< NULL: it stays at the goal, and its battery lasts */
     /** Either may be NULL. */
     void (*watch)(void *context, const struct navigation_frame *frame);
     void (*see)(void *context, const struct navigation_sight *sight);
@@ -73,6 +94,17 @@ struct navigation_result {
     double planned_joules;  /**< of the first route, by the prices of the lattice; 0: there was none in time */
     double forecast_joules; /**< of the first course */
     double deviation_joules;
+    enum jp_home_state home; /**< at the end, of a robot with a battery */
+    double given_joules;     /**< by the battery at its terminals */
+    bool is_stranded;        /**< the battery was empty before it was home */
+    bool has_turned_back;
+    double least_probability; /**< of coming home, on the way out */
+    double trip_joules;       /**< out and home by the return map, before it left; 0: nobody asked, or no way */
+    double trip_deviation_joules;
+    double joules_at_leave;      /**< spent when it left */
+    double joules_at_turn;       /**< spent when it left the goal or turned back, */
+    double way_joules;           /**< and what the way home should take from there, */
+    double way_deviation_joules; /**< give or take */
 };
 
 /** Of a state and a reason, for people. */

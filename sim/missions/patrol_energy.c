@@ -68,7 +68,7 @@ void patrol_energy_begin(struct patrol_energy *energy, size_t index, const struc
 
 void patrol_energy_tick(struct patrol_energy *energy, const struct four_wheel_plant *plant)
 {
-    const double volts = plant->robot->electronics.voltage_v;
+    const double volts = plant->bus_voltage;
     const double amperes = (plant->ledger.battery - energy->last_battery) * FOUR_WHEEL_RATE_HZ / volts;
     struct jp_four_wheel_piece piece;
 

@@ -30,10 +30,15 @@
 #define VIEW        2.5
 #define SECONDS_MAX 3600
 
+/* Deviation of what the battery is taken to hold, share of it; and with which probability the robot shall come home, %.
+ */
+#define BATTERY_DEVIATION 0.02
+#define HOME_PERCENT      99.9
+
 #define IN_PROCESS  "in-process"
 #define FRAMES_NAME "frames.log"
 
-enum { OPTION_BOXES = PLAN_OPTION_OWN, OPTION_VIEW, OPTION_PATIENCE, OPTION_FRAMES };
+enum { OPTION_BOXES = PLAN_OPTION_OWN, OPTION_VIEW, OPTION_PATIENCE, OPTION_FRAMES, OPTION_BATTERY, OPTION_HOME };
 
 struct arguments {
     struct plan_arguments plan; /* first: plan_arguments_take() looks at it */
@@ -41,7 +46,9 @@ struct arguments {
     double view_m;
     const char *bus; /* NULL: no ECU, but the navigator itself */
     unsigned patience;
-    bool frames; /* are logged */
+    bool frames;         /* are logged */
+    double battery_j;    /* 0: it lasts, and the robot stays at the goal */
+    double home_percent; /* with which the robot shall come home */
 };
 
 /* ---- Command line ---- */
@@ -50,6 +57,9 @@ static void check(const struct arguments *arguments, struct argp_state *state)
 {
     if (arguments->frames && arguments->bus == NULL) {
         command_line_refuse(state, "--frames: there are none without --bus");
+    }
+    if (arguments->battery_j > 0 && arguments->bus != NULL) {
+        command_line_refuse(state, "--battery: the ECU does not know its way home; leave --bus out");
     }
 }
 
@@ -69,6 +79,12 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case OPTION_PATIENCE:
         arguments->patience = (unsigned)command_line_whole(state, "--patience", argument, 1, 86400);
+        return 0;
+    case OPTION_BATTERY:
+        arguments->battery_j = command_line_real(state, "--battery", argument, 1, 1e7);
+        return 0;
+    case OPTION_HOME:
+        arguments->home_percent = command_line_real(state, "--home", argument, 50, 99.99);
         return 0;
     case OPTION_FRAMES:
         arguments->frames = true;
@@ -119,6 +135,49 @@ static json_t *json_result(const struct navigation_result *result)
                      result->deviation_m, "planned_j", result->planned_joules, "length_m", result->length_m, "time_s",
                      result->seconds, "energy_j", result->joules, "forecast_j", result->forecast_joules,
                      "forecast_deviation_j", result->deviation_joules);
+}
+
+/* Row by row from the south. */
+static json_t *json_reach(const struct jp_terrain_config *cells, const int8_t *reach)
+{
+    json_t *rows = json_array();
+
+    for (int y = 0; y < cells->height; y++) {
+        json_t *row = json_array();
+
+        for (int x = 0; x < cells->width; x++) {
+            (void)json_array_append_new(row, json_integer(reach[y * cells->width + x]));
+        }
+        (void)json_array_append_new(rows, row);
+    }
+    return rows;
+}
+
+static const char *home_name(enum jp_home_state state)
+{
+    static const char *const names[] = {"idle", "preparing", "out", "at goal", "returning", "home", "failed"};
+
+    return names[state];
+}
+
+static json_t *json_home(const struct navigation_task *task, const struct navigation_result *result)
+{
+    return json_pack("{s:s, s:b, s:b, s:f, s:f, s:f, s:f, s:f, s:f, s:o}", "state", home_name(result->home), "stranded",
+                     result->is_stranded, "turned_back", result->has_turned_back, "battery_j", task->battery->joules,
+                     "confidence", task->battery->confidence, "given_j", result->given_joules, "least_probability",
+                     result->least_probability, "trip_j", result->trip_joules, "trip_deviation_j",
+                     result->trip_deviation_joules, "reach_percent",
+                     json_reach(&task->map->config, task->battery->reach));
+}
+
+static void print_home(const struct navigation_task *task, const struct navigation_result *result)
+{
+    (void)printf("%-24s %s%s%s\n", "home", home_name(result->home), result->has_turned_back ? ", turned back" : "",
+                 result->is_stranded ? ", STRANDED: the battery is empty" : "");
+    (void)printf("%-24s %8.1f J, standard deviation %.1f J\n", "goal and home, forecast", result->trip_joules,
+                 result->trip_deviation_joules);
+    (void)printf("%-24s %8.1f J of %.1f J\n", "out of the battery", result->given_joules, task->battery->joules);
+    (void)printf("%-24s %8.2f %%\n", "coming home, least", 100 * result->least_probability);
 }
 
 static json_t *json_summary(const struct arguments *arguments, const struct map_file *map, const char *map_path,
@@ -309,6 +368,7 @@ static int drive(const struct arguments *arguments, struct map_file *map, const 
         json_t *summary = json_summary(arguments, map, map_path, robot, &task, world, &result, &record);
 
         (void)(bus != NULL && json_object_set_new(summary, "bus", bus) == 0);
+        (void)(task.battery != NULL && json_object_set_new(summary, "home", json_home(&task, &result)) == 0);
         is_done = output_json(arguments->plan.common.output, "summary.json", summary);
     }
     navigation_record_free(&record);
@@ -317,10 +377,15 @@ static int drive(const struct arguments *arguments, struct map_file *map, const 
         return ERROR_EXIT;
     }
     print(world, &result);
+    if (task.battery != NULL) {
+        print_home(&task, &result);
+    }
     if (!output_commit()) {
         return ERROR_EXIT;
     }
-    return result.state == JP_NAVIGATOR_ARRIVED && !result.is_touched ? EXIT_SUCCESS : NOT_ARRIVED_EXIT;
+    const bool is_where_it_should = result.state == JP_NAVIGATOR_ARRIVED && !result.is_stranded;
+
+    return is_where_it_should && !result.is_touched ? EXIT_SUCCESS : NOT_ARRIVED_EXIT;
 }
 
 static int navigate(const struct arguments *arguments, struct map_file *map, const struct lattice_robot *robot)
@@ -338,21 +403,30 @@ static int navigate(const struct arguments *arguments, struct map_file *map, con
         navigation_world_free(&world);
         return ERROR_EXIT;
     }
-    const struct navigation_task task = {.lattice = lattice,
-                                         .map = &map->terrain,
-                                         .world = &world.terrain,
-                                         .solid = &world.solid,
-                                         .grounds = map->grounds,
-                                         .start = places.start,
-                                         .goal = places.goal,
-                                         .view_m = arguments->view_m,
-                                         .memory = arguments->plan.memory,
-                                         .patience = SECONDS_MAX,
-                                         .seed = arguments->plan.common.seed};
+    struct navigation_task task = {.lattice = lattice,
+                                   .map = &map->terrain,
+                                   .world = &world.terrain,
+                                   .solid = &world.solid,
+                                   .grounds = map->grounds,
+                                   .start = places.start,
+                                   .goal = places.goal,
+                                   .view_m = arguments->view_m,
+                                   .memory = arguments->plan.memory,
+                                   .patience = SECONDS_MAX,
+                                   .seed = arguments->plan.common.seed};
+    struct navigation_battery battery = {.joules = arguments->battery_j,
+                                         .believed = arguments->battery_j,
+                                         .deviation = BATTERY_DEVIATION * arguments->battery_j,
+                                         .confidence = arguments->home_percent / 100,
+                                         .reach = calloc(map->terrain.config.width, map->terrain.config.height)};
+
+    task.battery = arguments->battery_j > 0 && battery.reach != NULL ? &battery : NULL;
+
     char *path = realpath(arguments->plan.map_path, NULL);
     const int status = drive(arguments, map, path != NULL ? path : arguments->plan.map_path, robot, &world, &task);
 
     free(path);
+    free(battery.reach);
     navigation_world_free(&world);
     return status;
 }
@@ -372,6 +446,9 @@ int main(int argc, char **argv)
         {"patience", OPTION_PATIENCE, "SECONDS", 0, "wait so long for an ECU (10)", 0},
         {"frames", OPTION_FRAMES, NULL, 0,
          "also write DIR/" FRAMES_NAME ", all frames as candump -L does, in simulated time", 0},
+        {"battery", OPTION_BATTERY, "JOULES", 0,
+         "the battery holds so much: the robot comes home again, and turns back in time", 0},
+        {"home", OPTION_HOME, "PERCENT", 0, "how sure it shall be to come home (99.9)", 0},
         OPTION_SEED("of the boxes and of all noise"),
         OPTION_OUTPUT("build/navigate"),
         {0},
@@ -382,7 +459,8 @@ int main(int argc, char **argv)
         "MAP.json",
         "A robot finds its way over a map (tools.design.import_map) to a goal, in closed loop, while it sees boxes "
         "that the map does not show.\v"
-        "Exit status: 0 it arrived and touched nothing; 1 not: the outputs say why; 2 bad input, nothing was written.",
+        "Exit status: 0 it arrived, with --battery at its goal and home or home in time, and touched nothing; 1 not: "
+        "the outputs say why; 2 bad input, nothing was written.",
         NULL,
         NULL,
         NULL};
@@ -392,6 +470,7 @@ int main(int argc, char **argv)
         .boxes = BOXES,
         .view_m = VIEW,
         .patience = BUS_DRIVE_PATIENCE,
+        .home_percent = HOME_PERCENT,
     };
     struct map_file map;
 

@@ -344,11 +344,12 @@ static struct drive drive_side(const struct skid_plant *plant, const struct skid
     return (struct drive){.current = current, .power = power};
 }
 
-/* The battery gives what the bus takes: V I = P, V = V0 − R I. The robot file's check leaves room for both motors. */
-static struct supply supply_of(const struct skid_steer_model *model, double power)
+/* The battery gives what the bus takes: V I = P, V = V0 − R I. The robot file's check leaves room for both motors;
+ * cells that have not that much give what they can at half their voltage. */
+static struct supply supply_of(const struct cell_source *source, double power)
 {
-    const double open = model->supply.voltage_v;
-    const double resistance = model->supply.resistance_ohm;
+    const double open = source->open_v;
+    const double resistance = source->resistance_ohm;
     const double voltage = (open + sqrt(fmax(square(open) - 4 * resistance * power, 0))) / 2;
 
     return (struct supply){power / voltage, voltage};
@@ -405,9 +406,9 @@ static void derivative(const struct skid_plant *plant, const struct skid_state *
         attitude->current[side] = drive.current;
         power += drive.power;
     }
-    const struct supply supply = supply_of(&plant->model, power);
-    rate->ledger.battery = plant->model.supply.voltage_v * supply.current;
-    rate->ledger.supply = square(supply.current) * plant->model.supply.resistance_ohm;
+    const struct supply supply = supply_of(&plant->source, power);
+    rate->ledger.battery = plant->source.open_v * supply.current;
+    rate->ledger.supply = square(supply.current) * plant->source.resistance_ohm;
     set_pose_rates(&footing->lie, state, rate);
     set_body_rates(plant, footing, state, &sum, rate);
     attitude->rise_ahead = footing->lie.ahead;
@@ -533,10 +534,10 @@ static void stop_tipped(struct skid_plant *plant)
 static void lie_still(struct skid_plant *plant, double seconds)
 {
     const double power = plant->model.electronics.power_w;
-    const struct supply supply = supply_of(&plant->model, power);
+    const struct supply supply = supply_of(&plant->source, power);
 
-    plant->state.ledger.battery += seconds * plant->model.supply.voltage_v * supply.current;
-    plant->state.ledger.supply += seconds * square(supply.current) * plant->model.supply.resistance_ohm;
+    plant->state.ledger.battery += seconds * plant->source.open_v * supply.current;
+    plant->state.ledger.supply += seconds * square(supply.current) * plant->source.resistance_ohm;
     plant->state.ledger.electronics += seconds * power;
     plant->attitude.bus_voltage = supply.voltage;
     plant->attitude.current[SKID_LEFT] = 0;
@@ -545,23 +546,50 @@ static void lie_still(struct skid_plant *plant, double seconds)
     plant->attitude.roll_rate = 0;
 }
 
+/* One step of the integrator. */
+static void step(struct skid_plant *plant, const struct skid_input *input, double h)
+{
+    if (plant->tipped) {
+        lie_still(plant, h);
+        return;
+    }
+    if (plant->surface.at != NULL) {
+        touch_surface(plant);
+    }
+    integrate(plant, input, h);
+    const struct lie lie = lie_of(plant->attitude.rise_ahead, plant->attitude.rise_across);
+    if (tips(plant, &lie)) {
+        stop_tipped(plant);
+    }
+}
+
+/* The cells give what a step took. */
+static void draw(struct skid_plant *plant, double taken, double seconds)
+{
+    cell_pack_step(&plant->pack, taken / plant->source.open_v / seconds, seconds);
+    plant->source = cell_pack_source(&plant->pack);
+}
+
+void skid_plant_feed(struct skid_plant *plant, const struct cell_constants *cell, const struct cell_wiring *wiring,
+                     const struct cell_condition *condition)
+{
+    cell_pack_init(&plant->pack, cell, wiring, condition);
+    plant->source = cell_pack_source(&plant->pack);
+    plant->attitude.bus_voltage = supply_of(&plant->source, plant->model.electronics.power_w).voltage;
+    plant->has_pack = true;
+}
+
 void skid_plant_step(struct skid_plant *plant, const struct skid_input *input, double seconds)
 {
     const int steps = (int)ceil(seconds / plant->step - 1e-9);
     const double h = seconds / steps;
 
     for (int i = 0; i < steps; i++) {
-        if (plant->tipped) {
-            lie_still(plant, h);
-            continue;
-        }
-        if (plant->surface.at != NULL) {
-            touch_surface(plant);
-        }
-        integrate(plant, input, h);
-        const struct lie lie = lie_of(plant->attitude.rise_ahead, plant->attitude.rise_across);
-        if (tips(plant, &lie)) {
-            stop_tipped(plant);
+        const double given = plant->state.ledger.battery;
+
+        step(plant, input, h);
+        if (plant->has_pack) {
+            draw(plant, plant->state.ledger.battery - given, h);
         }
     }
 }
@@ -649,7 +677,8 @@ void skid_plant_init(struct skid_plant *plant, const struct skid_steer_model *mo
     plant->attitude.rise_ahead = footing.lie.ahead;
     plant->attitude.rise_across = footing.lie.across;
     set_normal(&plant->state, &plant->attitude);
-    plant->attitude.bus_voltage = supply_of(model, model->electronics.power_w).voltage;
+    plant->source = (struct cell_source){model->supply.voltage_v, model->supply.resistance_ohm};
+    plant->attitude.bus_voltage = supply_of(&plant->source, model->electronics.power_w).voltage;
     plant->attitude.force_ahead = plant->state.pressed_ahead;
     plant->attitude.force_left = plant->state.pressed_across;
     plant->tipped = tips(plant, &footing.lie);

@@ -32,6 +32,7 @@
 
 #include <stdbool.h>
 
+#include "sim/base/cell_pack.h"
 #include "sim/base/planar.h"
 #include "sim/skid_steer/skid_ground.h"
 #include "sim/skid_steer/skid_steer_model.h"
@@ -61,7 +62,7 @@ struct skid_input {
  *           + change of the kinetic and potential energy.
  */
 struct skid_ledger {
-    double battery;     /**< ∫ V0 I: of the cells; falls while they are charged */
+    double battery;     /**< ∫ V0 I: of the cells, less what polarisation takes; falls while they are charged */
     double supply;      /**< lost in the battery's resistance */
     double electronics; /**< what the electronics draw */
     double bridge;      /**< braking energy that the bridges burn */
@@ -135,12 +136,15 @@ struct skid_plant {
     struct skid_surface surface;
     struct skid_contact contacts[SKID_CONTACTS_MAX];
     int contact_count;
-    double loads[3][3];     /**< inverse of the moments of the contacts' places */
-    double side_inertia;    /**< wheels and rotor of a side, at the wheels, kg·m² */
-    double presliding;      /**< rad */
-    double step;            /**< of the integrator, at most, s */
-    double jam[SKID_SIDES]; /**< dry friction of a side beside its own, N·m */
-    double start_elevation; /**< of the centre of mass, m */
+    double loads[3][3];        /**< inverse of the moments of the contacts' places */
+    double side_inertia;       /**< wheels and rotor of a side, at the wheels, kg·m² */
+    double presliding;         /**< rad */
+    double step;               /**< of the integrator, at most, s */
+    double jam[SKID_SIDES];    /**< dry friction of a side beside its own, N·m */
+    double start_elevation;    /**< of the centre of mass, m */
+    struct cell_source source; /**< what feeds it: supply of the robot file, which never empties, or, */
+    struct cell_pack pack;     /**< when has_pack, these cells, once a step */
+    bool has_pack;
     struct skid_state state;
     struct skid_attitude attitude;
     bool tipped;
@@ -153,6 +157,10 @@ void skid_plant_init(struct skid_plant *plant, const struct skid_steer_model *mo
 
 /** Lays a surface on the ground, what its pointer shows stays in use. What a wheel is on changes between the steps. */
 void skid_plant_lay(struct skid_plant *plant, const struct skid_surface *surface);
+
+/** From now on cells feed it. */
+void skid_plant_feed(struct skid_plant *plant, const struct cell_constants *cell, const struct cell_wiring *wiring,
+                     const struct cell_condition *condition);
 
 /** Runge–Kutta steps (4th order) of equal length, plant->step at most; the ledger is integrated with the state. */
 void skid_plant_step(struct skid_plant *plant, const struct skid_input *input, double seconds);

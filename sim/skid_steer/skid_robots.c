@@ -6,13 +6,14 @@
 
 #include "sim/base/error.h"
 
-#define ENTRY(name, navigates)                                                                                         \
+#define ENTRY(name, lattice_to_goals)                                                                                  \
     {                                                                                                                  \
 #name, &jp_skid_robot_##name, &jp_skid_energy_##name, &jp_skid_learning_##name, &jp_path_limits_##name,        \
-            &jp_lattice_##name, &jp_skid_steer_##name, navigates                                                       \
+            &jp_lattice_##name, &jp_skid_steer_##name, &jp_navigation_##name, &lattice_to_goals                        \
     }
 
-static const struct skid_robot_entry entries[] = {ENTRY(burger, &jp_navigation_burger), ENTRY(zhang2018, NULL)};
+static const struct skid_robot_entry entries[] = {ENTRY(burger, jp_lattice_burger),
+                                                  ENTRY(zhang2018, jp_lattice_zhang2018_navigation)};
 
 const struct skid_robot_entry *skid_robot_built_in(const char *name)
 {

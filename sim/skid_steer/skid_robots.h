@@ -16,8 +16,9 @@ struct skid_robot_entry {
     const struct jp_skid_learning *learning;
     const struct jp_path_limits *limits;
     const struct jp_lattice *lattice;
-    const struct jp_skid_steer_config *priced;  /**< by whose formulas its lattices are priced */
-    const struct jp_navigator_body *navigation; /**< NULL: it is not made for that */
+    const struct jp_skid_steer_config *priced;   /**< by whose formulas its lattices are priced */
+    const struct jp_navigator_body *navigation;  /**< NULL: it is not made for that */
+    const struct jp_lattice *navigation_lattice; /**< of the disc in which it turns */
 };
 
 /** The robot of this name, or NULL. */

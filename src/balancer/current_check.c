@@ -1,5 +1,6 @@
 #include <joulepath/current_check.h>
 
+#include "src/base/compiler.h"
 #include "src/base/config_check.h"
 #include "src/base/integer.h"
 #include "src/base/multiply_q32.h"
@@ -173,7 +174,7 @@ static int64_t update_estimate(struct jp_current_estimate *estimate, const struc
 
 enum verdict { UNDECIDED, WITHIN, BEYOND };
 
-static enum verdict compare(int32_t value, int32_t deviation, int32_t limit)
+static JP_INLINE_FOR_SPEED enum verdict compare(int32_t value, int32_t deviation, int32_t limit)
 {
     const int64_t magnitude = value < 0 ? -(int64_t)value : value;
     const int64_t margin = (int64_t)deviation * JP_CURRENT_DEVIATIONS;

@@ -296,9 +296,11 @@ static void step(struct jp_robot_internal *robot, enum jp_status read, const str
     }
     if (motors_run(telemetry->state)) {
         control(robot, sensors->bus_voltage);
+        const struct jp_bus bus = jp_bus_of(sensors->bus_voltage);
+
         *actuation = (struct jp_actuation){
-            .duty_left = jp_duty(telemetry->voltages.left, sensors->bus_voltage),
-            .duty_right = jp_duty(telemetry->voltages.right, sensors->bus_voltage),
+            .duty_left = jp_duty(telemetry->voltages.left, &bus),
+            .duty_right = jp_duty(telemetry->voltages.right, &bus),
             .enabled = 1,
         };
     } else {

@@ -10,6 +10,12 @@ static inline bool jp_is_between(int32_t value, int32_t low, int32_t high)
     return value >= low && value <= high;
 }
 
+/** |x| > limit, for a limit >= 0: what is below −limit wraps round and is large, too. */
+static inline bool jp_is_beyond(int32_t x, int32_t limit)
+{
+    return (uint32_t)x + (uint32_t)limit > 2U * (uint32_t)limit;
+}
+
 /** |x|, of any x. */
 static inline uint32_t jp_magnitude32(int32_t x)
 {

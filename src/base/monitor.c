@@ -3,6 +3,7 @@
 #include "src/base/compiler.h"
 #include "src/base/config_check.h"
 #include "src/base/in_a_row.h"
+#include "src/base/integer.h"
 
 /** Rm i fits Q16 volts, V in Q32. */
 #define RESISTIVE_LIMIT ((int64_t)JP_Q16(32767) * JP_Q16_ONE)
@@ -49,15 +50,9 @@ void jp_monitor_start(struct jp_monitor *monitor, const struct jp_monitor_config
     };
 }
 
-/** |value| > limit, for a limit >= 0: values below −limit wrap round and are large, too. */
-static bool beyond(int32_t value, int32_t limit)
-{
-    return (uint32_t)value + (uint32_t)limit > 2U * (uint32_t)limit;
-}
-
 static JP_INLINE_FOR_SPEED bool either_beyond(int32_t a, int32_t b, int32_t limit)
 {
-    return beyond(a, limit) || beyond(b, limit);
+    return jp_is_beyond(a, limit) || jp_is_beyond(b, limit);
 }
 
 static bool gyro_beyond(const struct jp_monitor_config *config, const struct jp_sensors *sensors)
@@ -203,10 +198,10 @@ uint16_t jp_monitor_motors(struct jp_monitor *monitor, const struct jp_monitor_c
     const struct jp_sensors *sensors = &monitor->good;
     jp_q16 limit = monitor->residual_limit;
     jp_q24 turning = jp_q16_multiply(yaw_rate, config->half_track);
-    bool left =
-        beyond(voltage_residual(config, sensors->current_left, voltages->left, jp_sub(wheel_rate, turning)), limit);
-    bool right =
-        beyond(voltage_residual(config, sensors->current_right, voltages->right, jp_add(wheel_rate, turning)), limit);
+    bool left = jp_is_beyond(
+        voltage_residual(config, sensors->current_left, voltages->left, jp_sub(wheel_rate, turning)), limit);
+    bool right = jp_is_beyond(
+        voltage_residual(config, sensors->current_right, voltages->right, jp_add(wheel_rate, turning)), limit);
     unsigned faults = 0;
 
     if (jp_count_in_a_row(&monitor->residual_ticks[0], left, config->residual_ticks)) {
@@ -215,7 +210,7 @@ uint16_t jp_monitor_motors(struct jp_monitor *monitor, const struct jp_monitor_c
     if (jp_count_in_a_row(&monitor->residual_ticks[1], right, config->residual_ticks)) {
         faults |= JP_FAULT_ENCODER_RIGHT;
     }
-    if (jp_count_in_a_row(&monitor->overspeed_ticks, beyond(wheel_rate, config->wheel_rate_limit),
+    if (jp_count_in_a_row(&monitor->overspeed_ticks, jp_is_beyond(wheel_rate, config->wheel_rate_limit),
                           config->confirm_ticks)) {
         faults |= JP_FAULT_OVERSPEED;
     }

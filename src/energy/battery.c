@@ -1,8 +1,13 @@
 #include <joulepath/battery.h>
 
+#include <stdbool.h>
+
 #include "src/base/config_check.h"
+#include "src/energy/battery_left.h"
 
 #define ENERGY_STEP ((int64_t)JP_BATTERY_ENERGY_STEP << 32)
+
+#define UPDATE_RATE_MOST 1000U
 
 struct quotient {
     int64_t whole;
@@ -11,12 +16,23 @@ struct quotient {
 
 #define FIELD(member, low, high) JP_CONFIG_FIELD("battery.", struct jp_battery_config, member, low, high)
 
+static enum jp_status check_filter(const struct jp_battery_config *config, const char **field)
+{
+    if (config->update_rate < 1U || config->update_rate > UPDATE_RATE_MOST) {
+        return jp_config_refuse("battery.update_rate", field);
+    }
+    return jp_battery_cells_check(config->cells, field);
+}
+
 enum jp_status jp_battery_check(const struct jp_battery_config *config, const char **field)
 {
     static const struct jp_config_field fields[] = {
         FIELD(capacity, 60, 262144),
         FIELD(charge_efficiency, JP_Q16(0.5), JP_Q16_ONE),
         FIELD(reserve, 0, (jp_q31)1 << 30),
+        FIELD(charge_deviation, 0, (jp_q31)1 << 30),
+        FIELD(load, 0, JP_Q16(1024)),
+        FIELD(unit_exponent, -JP_ENERGY_UNIT_EXPONENT_MAX, JP_ENERGY_UNIT_EXPONENT_MAX),
         FIELD(voltage_min, JP_Q16_ONE, INT32_MAX),
         FIELD(voltage_max, INT32_MIN, JP_Q16(1000)),
         FIELD(voltage_jump, 1, INT32_MAX),
@@ -35,7 +51,7 @@ enum jp_status jp_battery_check(const struct jp_battery_config *config, const ch
     if (config->voltage_nominal < config->voltage_empty || config->voltage_nominal > config->voltage_full) {
         return jp_config_refuse("battery.voltage_nominal", field);
     }
-    return JP_OK;
+    return config->cells == NULL ? JP_OK : check_filter(config, field);
 }
 
 /** The dividend is below 2⁶³, the divisor above 0. */
@@ -61,7 +77,50 @@ enum jp_status jp_battery_start(struct jp_battery *battery, const struct jp_batt
         .capacity = capacity,
         .reserve = (jp_charge)config->capacity * config->reserve * 2,
     };
+    if (config->cells != NULL) {
+        jp_battery_filter_start(battery, config);
+    }
     return JP_OK;
+}
+
+void jp_battery_save(const struct jp_battery *battery, const struct jp_battery_config *config,
+                     struct jp_battery_state *state)
+{
+    *state = (struct jp_battery_state){battery->charge, battery->capacity, battery->filter, config->cells->identity};
+}
+
+enum jp_status jp_battery_restore(struct jp_battery *battery, const struct jp_battery_config *config,
+                                  const struct jp_battery_state *state, jp_energy energy, const char **field)
+{
+    if (battery == NULL || config == NULL || state == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (state->identity != config->cells->identity) {
+        return jp_config_refuse("identity", field);
+    }
+
+    const enum jp_status status = jp_battery_state_check(state, config, field);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    *battery = (struct jp_battery){
+        .charge = state->charge,
+        .energy = energy,
+        .capacity = state->capacity,
+        .reserve = (state->capacity >> 31) * config->reserve,
+        .filter = state->filter,
+    };
+    jp_battery_filter_doubt(battery, config);
+    *field = NULL;
+    return JP_OK;
+}
+
+static jp_charge estimate_of_cells(const struct jp_battery_config *config, jp_q16 voltage)
+{
+    const jp_q24 of_one = jp_divide((int64_t)voltage * 256, (int32_t)config->cells->series);
+
+    return (jp_charge)config->capacity * jp_cell_charge(config->cells, of_one) * 256;
 }
 
 enum jp_status jp_battery_estimate(const struct jp_battery_config *config, jp_q16 open_circuit_voltage,
@@ -69,6 +128,11 @@ enum jp_status jp_battery_estimate(const struct jp_battery_config *config, jp_q1
 {
     if (open_circuit_voltage < config->voltage_min || open_circuit_voltage > config->voltage_max) {
         return JP_ERR_ARGUMENT;
+    }
+
+    if (config->cells != NULL) {
+        *charge = estimate_of_cells(config, open_circuit_voltage);
+        return JP_OK;
     }
 
     const uint32_t span = (uint32_t)(config->voltage_full - config->voltage_empty);
@@ -112,6 +176,7 @@ static void draw(struct jp_battery *battery, const struct quotient *charge)
     const jp_charge borrow = battery->fraction < charge->fraction ? 1 : 0;
 
     battery->charge -= charge->whole + borrow;
+    battery->second.drawn += charge->whole;
     battery->fraction -= charge->fraction;
     if (battery->charge < 0) {
         battery->charge = 0;
@@ -126,6 +191,7 @@ static uint32_t recuperate(struct jp_battery *battery, const struct quotient *ch
     const uint64_t carry = fraction >> 32;
 
     battery->charge += charge->whole + (jp_charge)carry;
+    battery->second.drawn -= charge->whole;
     battery->fraction = (uint32_t)fraction;
     if (battery->charge < battery->capacity) {
         return 0;
@@ -158,6 +224,27 @@ static uint32_t count(struct jp_battery *battery, const struct jp_battery_config
     return 0;
 }
 
+/** An update more of the present second; at its end the filter corrects the charge. Returns jp_battery_flag bits. */
+static uint32_t measure(struct jp_battery *battery, const struct jp_battery_config *config, bool is_believed)
+{
+    struct jp_battery_second *const second = &battery->second;
+
+    second->voltage += battery->voltage;
+    second->updates++;
+    second->is_spoilt = second->is_spoilt || !is_believed;
+    if (second->updates < config->update_rate) {
+        return 0;
+    }
+
+    const uint8_t surprises = second->surprises;
+    const bool is_spoilt = second->is_spoilt;
+    const jp_q24 of_one = jp_divide(second->voltage * 256, (int32_t)(config->update_rate * config->cells->series));
+
+    battery->current = jp_saturate32(second->drawn >> 16);
+    *second = (struct jp_battery_second){.surprises = surprises};
+    return jp_battery_filter_second(battery, config, battery->current, of_one, is_spoilt);
+}
+
 uint8_t jp_battery_update(struct jp_battery *battery, const struct jp_battery_config *config, jp_energy energy,
                           jp_q16 bus_voltage)
 {
@@ -165,6 +252,9 @@ uint8_t jp_battery_update(struct jp_battery *battery, const struct jp_battery_co
 
     if (flags == 0U) {
         flags = count(battery, config, energy);
+    }
+    if (config->cells != NULL) {
+        flags |= measure(battery, config, (flags & ~(uint32_t)JP_BATTERY_FULL) == 0U);
     }
     if (battery->charge <= battery->reserve) {
         flags |= (uint32_t)JP_BATTERY_EMPTY;
@@ -177,10 +267,64 @@ jp_q31 jp_battery_level(const struct jp_battery *battery)
     return jp_saturate32((battery->charge >> 1) / (battery->capacity >> 32));
 }
 
+jp_q31 jp_battery_level_deviation(const struct jp_battery *battery, const struct jp_battery_config *config)
+{
+    if (config->cells == NULL) {
+        return config->charge_deviation;
+    }
+
+    const jp_q24 gradient[JP_BATTERY_UNKNOWNS] = {
+        [JP_BATTERY_CHARGE] = JP_Q24_ONE,
+        [JP_BATTERY_CAPACITY] = -jp_battery_share(battery),
+    };
+    const jp_q24 of_nominal = jp_battery_deviation(jp_battery_variance(&battery->filter, gradient));
+    const int64_t share = (int64_t)of_nominal * (int32_t)config->capacity * 128;
+
+    return jp_divide(share, (int32_t)(battery->capacity >> 32));
+}
+
+/** Of a charge above 0 at the nominal voltage. */
+static jp_energy energy_of(jp_charge charge, const struct jp_battery_config *config)
+{
+    const int64_t low = (int64_t)(uint16_t)charge * config->voltage_nominal;
+
+    return (charge >> 16) * config->voltage_nominal + (low >> 16);
+}
+
 jp_energy jp_battery_energy_left(const struct jp_battery *battery, const struct jp_battery_config *config)
 {
     const jp_charge usable = battery->charge - battery->reserve;
-    const int64_t low = (int64_t)(uint16_t)usable * config->voltage_nominal;
 
-    return usable < 0 ? 0 : (usable >> 16) * config->voltage_nominal + (low >> 16);
+    if (config->cells != NULL) {
+        return jp_battery_cells_energy(battery, config);
+    }
+    return usable < 0 ? 0 : energy_of(usable, config);
+}
+
+static jp_energy deviation_left(const struct jp_battery *battery, const struct jp_battery_config *config)
+{
+    if (config->cells != NULL) {
+        return jp_battery_cells_deviation(battery, config);
+    }
+    return energy_of((jp_charge)config->capacity * config->charge_deviation * 2, config);
+}
+
+/** Returns whether it fits. */
+static bool narrow(jp_energy energy, const struct jp_battery_config *config, jp_q16 *narrowed)
+{
+    *narrowed = jp_energy_to_q16(energy, config->unit_exponent);
+    return *narrowed < INT32_MAX;
+}
+
+enum jp_status jp_battery_forecast_left(const struct jp_battery *battery, const struct jp_battery_config *config,
+                                        struct jp_forecast *left)
+{
+    if (battery == NULL || config == NULL || left == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const bool energy_fits = narrow(jp_battery_energy_left(battery, config), config, &left->energy);
+    const bool deviation_fits = narrow(deviation_left(battery, config), config, &left->deviation);
+
+    return energy_fits && deviation_fits ? JP_OK : JP_ERR_OVERFLOW;
 }

@@ -2,6 +2,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "src/base/compiler.h"
 #include "src/base/config_check.h"
 #include "src/base/integer.h"
 
@@ -62,12 +63,12 @@ enum jp_status jp_four_wheel_energy_check(const struct jp_four_wheel_energy_mode
 /* ---- Motion ---- */
 
 /* a·b of Q24 numbers whose product fits 64 bits. */
-static int64_t q24_product(int64_t a, int64_t b)
+static JP_INLINE_FOR_SPEED int64_t q24_product(int64_t a, int64_t b)
 {
     return jp_round_shift64(a * b, 24);
 }
 
-static int64_t limited(int64_t x, int64_t limit)
+static JP_INLINE_FOR_SPEED int64_t limited(int64_t x, int64_t limit)
 {
     if (x < -limit) {
         return -limit;
@@ -82,7 +83,7 @@ static int64_t length(int64_t a, int64_t b)
 }
 
 /* Change in a second. */
-static int64_t rate(int32_t start, int32_t end, jp_q16 duration)
+static JP_INLINE_FOR_SPEED int64_t rate(int32_t start, int32_t end, jp_q16 duration)
 {
     return limited(((int64_t)end - start) * JP_Q16_ONE / duration, (int64_t)JP_Q24(64));
 }
@@ -173,12 +174,13 @@ static int64_t steering_of(const struct jp_four_wheel_energy_model *model, const
 
 /* ---- Drives ---- */
 
-static int64_t in_unit(const struct jp_four_wheel_energy_model *model, int64_t joules_q32)
+static JP_INLINE_FOR_SPEED int64_t in_unit(const struct jp_four_wheel_energy_model *model, int64_t joules_q32)
 {
     return limited(jp_round_shift64(joules_q32, (unsigned)(16 + model->unit_exponent)), ENERGY_MAX);
 }
 
-static int64_t over_time(const struct jp_four_wheel_energy_model *model, int64_t power, jp_q16 duration)
+static JP_INLINE_FOR_SPEED int64_t over_time(const struct jp_four_wheel_energy_model *model, int64_t power,
+                                             jp_q16 duration)
 {
     return in_unit(model, limited(power, POWER_MAX) * duration);
 }
@@ -221,7 +223,7 @@ enum jp_status jp_four_wheel_energy_add(const struct jp_four_wheel_energy_model 
 
 /* ---- Factors ---- */
 
-static int32_t times(int32_t value, jp_q16 factor, int32_t low, int32_t high)
+static JP_INLINE_FOR_SPEED int32_t times(int32_t value, jp_q16 factor, int32_t low, int32_t high)
 {
     return jp_clamp32(jp_multiply_shift(value, factor, 16), low, high);
 }

@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "src/base/compiler.h"
 #include "src/base/config_check.h"
 #include "src/base/integer.h"
 #include "src/base/power_of_half.h"
@@ -203,8 +204,8 @@ struct pieces {
     uint32_t count;
 };
 
-static void split(const struct jp_horizon *horizon, const struct jp_energy_start *start,
-                  const struct jp_segment_command *segment, struct pieces *pieces)
+static JP_INLINE_FOR_SPEED void split(const struct jp_horizon *horizon, const struct jp_energy_start *start,
+                                      const struct jp_segment_command *segment, struct pieces *pieces)
 {
     const jp_q24 speed = segment->motion.speed;
 
@@ -305,7 +306,7 @@ enum jp_status jp_energy_forecast(const struct jp_energy_model *model, const str
 }
 
 /** a b with a in Q24 and b in Q24 or Q18, in Q16. */
-static int64_t scaled_product(int32_t a, int32_t b, unsigned shift)
+static JP_INLINE_FOR_SPEED int64_t scaled_product(int32_t a, int32_t b, unsigned shift)
 {
     return jp_round_shift64(jp_multiply(a, b), shift);
 }

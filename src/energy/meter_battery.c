@@ -21,7 +21,7 @@ static int64_t burnt_of(jp_q16 motor_resistance, jp_q16 share, jp_q16 voltage, j
     }
 
     const jp_q16 copper = jp_q16_multiply(motor_resistance, jp_q16_multiply(current, current));
-    const int64_t burnt = ((returned >> 16) + copper) * share;
+    const int64_t burnt = ((returned >> 16) + copper) * (uint32_t)share;
 
     return burnt < returned ? burnt : returned;
 }

@@ -1,5 +1,6 @@
 #include <joulepath/skid_energy.h>
 
+#include "src/base/compiler.h"
 #include "src/base/config_check.h"
 #include "src/base/integer.h"
 #include "src/energy/energy_terms.h"
@@ -76,12 +77,12 @@ enum jp_status jp_skid_energy_check(const struct jp_skid_energy_model *model, co
 /* ---- Treads ---- */
 
 /* a·b of Q24 numbers whose product fits 64 bits. */
-static int64_t q24_product(int64_t a, int64_t b)
+static JP_INLINE_FOR_SPEED int64_t q24_product(int64_t a, int64_t b)
 {
     return jp_round_shift64(a * b, 24);
 }
 
-static int64_t limited(int64_t x, int64_t limit)
+static JP_INLINE_FOR_SPEED int64_t limited(int64_t x, int64_t limit)
 {
     if (x < -limit) {
         return -limit;
@@ -89,18 +90,19 @@ static int64_t limited(int64_t x, int64_t limit)
     return x > limit ? limit : x;
 }
 
-static int32_t sign(int32_t x)
+static JP_INLINE_FOR_SPEED int32_t sign(int32_t x)
 {
     return (x > 0) - (x < 0);
 }
 
-static int64_t ratio(int64_t a, int64_t b)
+static JP_INLINE_FOR_SPEED int64_t ratio(int64_t a, int64_t b)
 {
     return a * JP_Q24_ONE / b;
 }
 
 /* m: how fast the treads roll. */
-static int64_t rolling_speed(const struct jp_skid_energy_model *model, const struct mean_motion *mean)
+static JP_INLINE_FOR_SPEED int64_t rolling_speed(const struct jp_skid_energy_model *model,
+                                                 const struct mean_motion *mean)
 {
     const int64_t across = q24_product(model->half_track, jp_absolute64(mean->turn_rate));
     const int64_t along = jp_absolute64(mean->speed);
@@ -236,7 +238,7 @@ enum jp_status jp_skid_energy_power(const struct jp_skid_energy_model *model, co
 /* ---- Drives ---- */
 
 /* Change of a speed in a second. */
-static int32_t acceleration(int32_t start, int32_t end, jp_q16 duration)
+static JP_INLINE_FOR_SPEED int32_t acceleration(int32_t start, int32_t end, jp_q16 duration)
 {
     return jp_divide(((int64_t)end - start) * JP_Q16_ONE, duration);
 }
@@ -265,7 +267,7 @@ static int64_t slope_power(const struct jp_skid_energy_model *model, const struc
 }
 
 /* 2ⁿ J in Q16. */
-static int64_t over_time(const struct jp_skid_energy_model *model, int64_t power, jp_q16 duration)
+static JP_INLINE_FOR_SPEED int64_t over_time(const struct jp_skid_energy_model *model, int64_t power, jp_q16 duration)
 {
     const int32_t shift = 16 + model->unit_exponent;
 
@@ -295,7 +297,7 @@ enum jp_status jp_skid_energy_add(const struct jp_skid_energy_model *model, stru
 
 /* ---- Factors ---- */
 
-static int32_t times(int32_t value, jp_q16 factor, int32_t low, int32_t high)
+static JP_INLINE_FOR_SPEED int32_t times(int32_t value, jp_q16 factor, int32_t low, int32_t high)
 {
     return jp_clamp32(jp_multiply_shift(value, factor, 16), low, high);
 }

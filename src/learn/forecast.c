@@ -4,6 +4,7 @@
 
 #include "src/learn/forecast_sum.h"
 #include "src/learn/learner_expectation.h"
+#include "src/learn/learner_filter.h"
 #include "src/learn/normal_quantile.h"
 
 enum jp_status jp_forecast_add(const struct jp_learner *learner, struct jp_forecast_sum *sum,
@@ -67,5 +68,26 @@ enum jp_status jp_forecast_reserve(const struct jp_forecast *forecast, jp_q16 av
     const int64_t margin = ((int64_t)jp_normal_quantile(confidence) * forecast->deviation + (JP_Q16_ONE - 1)) >> 16;
 
     *spare = jp_saturate32((int64_t)available - forecast->energy - margin);
+    return JP_OK;
+}
+
+/** How many of its deviations what is spare of a way is. */
+static jp_q16 deviations_spare(const struct jp_forecast *left, const struct jp_forecast *way)
+{
+    const int64_t spare = (int64_t)left->energy - way->energy;
+    const uint32_t deviation = jp_square_root(jp_square(left->deviation) + jp_square(way->deviation));
+
+    if (deviation == 0U) {
+        return spare < 0 ? INT32_MIN : INT32_MAX;
+    }
+    return jp_saturate32(spare * JP_Q16_ONE / (int64_t)deviation);
+}
+
+enum jp_status jp_forecast_suffices(const struct jp_forecast *left, const struct jp_forecast *way, jp_q31 *probability)
+{
+    if (left == NULL || way == NULL || probability == NULL || left->deviation < 0 || way->deviation < 0) {
+        return JP_ERR_ARGUMENT;
+    }
+    *probability = jp_normal_probability(deviations_spare(left, way));
     return JP_OK;
 }

@@ -3,6 +3,7 @@
 #include <joulepath/count.h>
 #include <stddef.h>
 
+#include "src/base/compiler.h"
 #include "src/learn/factor_state.h"
 #include "src/learn/learner_filter.h"
 
@@ -105,7 +106,8 @@ static uint64_t variance_by(const struct jp_ground_learner *learner, unsigned gr
 }
 
 /** Of all classes that are learned. */
-static uint64_t variance_of(const struct jp_ground_learner *learner, const struct jp_ground_change *change)
+static JP_INLINE_FOR_SPEED uint64_t variance_of(const struct jp_ground_learner *learner,
+                                                const struct jp_ground_change *change)
 {
     uint64_t sum = 0;
 
@@ -115,7 +117,7 @@ static uint64_t variance_of(const struct jp_ground_learner *learner, const struc
     return sum;
 }
 
-static bool is_within(const struct jp_ground_change *change, int64_t most)
+static JP_INLINE_FOR_SPEED bool is_within(const struct jp_ground_change *change, int64_t most)
 {
     for (unsigned k = FIRST; k < JP_GROUND_CLASSES; k++) {
         for (int j = 0; j < (int)JP_GROUND_FACTORS; j++) {

@@ -40,3 +40,29 @@ jp_q16 jp_normal_quantile(jp_q31 probability)
 
     return (jp_q16)quantile;
 }
+
+/** At least ½, of deviations that are not negative. */
+static jp_q31 upper_probability(jp_q16 deviations)
+{
+    jp_q31 low = JP_PROBABILITY_MIN;
+    jp_q31 high = JP_PROBABILITY_MAX;
+
+    while (low < high) {
+        const jp_q31 middle = low + (high - low) / 2 + (high - low) % 2;
+
+        if (jp_normal_quantile(middle) <= deviations) {
+            low = middle;
+        } else {
+            high = middle - 1;
+        }
+    }
+    return low;
+}
+
+jp_q31 jp_normal_probability(jp_q16 deviations)
+{
+    if (deviations >= 0) {
+        return upper_probability(deviations);
+    }
+    return (jp_q31)(((uint32_t)1 << 31) - (uint32_t)upper_probability(jp_saturate32(-(int64_t)deviations)));
+}

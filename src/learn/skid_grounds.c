@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "src/base/compiler.h"
+
 /** Nothing is learned of a leg of which more than one of so many joules is taken at edges. */
 #define EDGES_MAX 16
 
@@ -50,7 +52,7 @@ void jp_skid_ground_drive_total(const struct jp_skid_ground_drive *drive, struct
     }
 }
 
-static void set_change(struct jp_ground_change *change, const struct jp_skid_ground_drive *drive)
+static JP_INLINE_FOR_SPEED void set_change(struct jp_ground_change *change, const struct jp_skid_ground_drive *drive)
 {
     for (unsigned k = 0; k < JP_GROUND_CLASSES; k++) {
         change->by_factor[k][JP_GROUND_ROLLING] = drive->on[k].change[JP_SKID_ROLLING];

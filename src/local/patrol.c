@@ -49,6 +49,7 @@ static enum jp_status check(const struct jp_patrol_config *config, const char **
         FIELD(teb.turn_rate_max, LEAST, SPEED_MAX),
         FIELD(turn_rate, LEAST, SPEED_MAX),
         FIELD(turn_acceleration, LEAST, VALUE_MAX),
+        FIELD(steering_rate, LEAST, VALUE_MAX),
         FIELD(turn_clearance, 0.0f, VALUE_MAX),
         FIELD(step_speed, LEAST, SPEED_MAX),
         FIELD(horizon, LEAST, VALUE_MAX),

@@ -3,14 +3,25 @@
 #include "src/base/plane.h"
 #include "src/local/patrol_glide.h"
 #include "src/local/patrol_path.h"
+#include "src/local/patrol_price.h"
 #include "src/local/patrol_room.h"
 #include "src/local/patrol_sense.h"
 #include "src/local/patrol_state.h"
 #include "src/local/patrol_turn.h"
 
-/* A command is good when the robot could hold it for so many steps, of so many s. */
+/* A command is good when the robot could hold it for so long at least, s, which is looked at in so many poses, and
+ * every so many m. */
+#define COMMAND_TIME  0.3f
 #define COMMAND_STEPS 3U
-#define COMMAND_STEP  0.1f
+#define WAY_STEP      0.1f
+
+/* Of the speed that the band wants, those that are tried. */
+#define SHARES 5U
+
+#define Q24 (1.0f / (float)JP_Q24_ONE)
+
+/* Cycles in which a band that stands may begin to move. */
+#define STILL_CYCLES 5U
 
 static float goal_heading_error(const struct jp_patrol *patrol)
 {
@@ -25,8 +36,22 @@ static float goal_distance(const struct jp_patrol *patrol)
                            patrol->internal.goal.pose.y - patrol->pose.y);
 }
 
-/* True within a third of the tolerance of the goal, or within the tolerance once the goal is passed or the robot
- * stands. From then on the robot first comes to a stand. */
+/* From now until it has come to a stand, m. */
+static float stopping_distance(const struct jp_patrol_config *config, float speed)
+{
+    return speed * (config->latency + 0.5f * speed / config->teb.acceleration);
+}
+
+/* It would come to a stand at the goal or beyond it. */
+static bool must_stop_for_goal(const struct jp_patrol *patrol, const struct jp_plane_pose *there,
+                               const struct jp_plane_speed *speed)
+{
+    return speed->forward > 0.0f && jp_plane_magnitude(there->y) < patrol->config.position_tolerance &&
+           there->x <= stopping_distance(&patrol->config, speed->forward);
+}
+
+/* True within a third of the tolerance of the goal, within the tolerance once the robot stands, or when it must stop
+ * for the goal. From then on the robot first comes to a stand. */
 static bool is_at_goal(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const struct jp_plane_pose there = jp_plane_relative(&patrol->pose, &patrol->internal.goal.pose);
@@ -35,9 +60,12 @@ static bool is_at_goal(const struct jp_patrol *patrol, const struct jp_plane_spe
     const bool is_heading_due =
         !patrol->config.turns_in_place && goal_heading_error(patrol) > patrol->config.heading_tolerance;
 
-    return patrol->internal.is_arriving ||
-           (!is_heading_due && away < tolerance &&
-            (3.0f * away < tolerance || there.x <= 0.0f || jp_patrol_is_standing(speed)));
+    if (patrol->internal.is_arriving || is_heading_due) {
+        return patrol->internal.is_arriving;
+    }
+    return 3.0f * away < tolerance || (away < tolerance && (there.x <= 0.0f || jp_patrol_is_standing(speed))) ||
+           (away < tolerance + stopping_distance(&patrol->config, jp_plane_magnitude(speed->forward)) &&
+            must_stop_for_goal(patrol, &there, speed));
 }
 
 /* Whether any heading will do to reach the end of the window: the robot turns there afterwards. */
@@ -90,19 +118,54 @@ static struct jp_teb_task task_of(const struct jp_patrol *patrol, const struct j
     return task;
 }
 
-/* True when the robot moves freely at this speed until the next cycle's command can act. */
-static bool is_command_free(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+/* While it brakes the robot keeps its curve, and its centre slows down less than the outermost wheel, m/s²; of a robot
+ * that drives. */
+static float braking_on_curve(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
-    const struct jp_plane_pose step = {speed->forward * COMMAND_STEP, 0.0f, speed->turn_rate * COMMAND_STEP};
+    const struct jp_four_wheel_config *const wheels = &patrol->config.wheels;
+    const float forward = jp_plane_magnitude(speed->forward);
+    const float half_turn = 0.5f * jp_plane_magnitude(speed->turn_rate) * Q24;
+    const float along = half_turn * (float)wheels->track; /* of the outer wheels besides, m/s */
+    const float across = half_turn * (float)wheels->wheelbase;
+    const float outermost = jp_plane_length(forward + along, across);
+
+    return patrol->config.people.braking * forward / outermost;
+}
+
+/* True when the robot moves freely until it has stopped from this speed, on its curve. */
+static bool can_stop(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    const float forward = jp_plane_magnitude(speed->forward);
+    const float braking = forward > 0.0f ? 0.5f * forward / braking_on_curve(patrol, speed) : 0.0f;
+    const float seconds = jp_plane_larger(COMMAND_TIME, patrol->config.latency + patrol->config.period + braking);
+    const unsigned steps = (unsigned)(seconds * forward / WAY_STEP) + COMMAND_STEPS;
+    const float part = seconds / (float)steps;
+    const struct jp_plane_pose step = {speed->forward * part, 0.0f, speed->turn_rate * part};
     struct jp_plane_pose pose = patrol->pose;
 
-    for (unsigned i = 0; i < COMMAND_STEPS; i++) {
+    for (unsigned i = 0; i < steps; i++) {
         pose = jp_plane_compose(&pose, &step);
         if (jp_patrol_clearance(patrol, &pose) < 0.0f) {
             return false;
         }
     }
     return true;
+}
+
+/* Slows the command down to where the robot could stop. False: it could from none. */
+static bool heed_stop(const struct jp_patrol *patrol, struct jp_plane_speed *speed)
+{
+    const struct jp_plane_speed wanted = *speed;
+
+    for (unsigned i = 0; i < SHARES; i++) {
+        const float share = 1.0f - (float)i / (float)SHARES;
+
+        *speed = (struct jp_plane_speed){share * wanted.forward, share * wanted.turn_rate};
+        if (can_stop(patrol, speed)) {
+            return true;
+        }
+    }
+    return false;
 }
 
 /* Fastest forward or backward speed now: speeding up takes a while, and at the goal the robot must stop. */
@@ -127,6 +190,16 @@ static struct jp_plane_speed reachable(const struct jp_patrol *patrol, const str
     return (struct jp_plane_speed){wanted->forward * (limit / speed), wanted->turn_rate * (limit / speed)};
 }
 
+/* A robot that stands and whose band would not move it does not get on by waiting for the band. */
+static bool has_band_stalled(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    const bool stands =
+        jp_patrol_is_standing(speed) && jp_patrol_is_standing(&patrol->band.speed) && !patrol->internal.is_yielding;
+
+    patrol->internal.still = stands ? (uint16_t)(patrol->internal.still + 1U) : 0U;
+    return patrol->internal.still > STILL_CYCLES;
+}
+
 /* Plans the band and takes its speed. False, with *reason, when there is none to drive. */
 static bool plan_band(struct jp_patrol *patrol, const struct jp_patrol_window *window,
                       const struct jp_plane_speed *speed, enum jp_patrol_reason *reason)
@@ -140,10 +213,10 @@ static bool plan_band(struct jp_patrol *patrol, const struct jp_patrol_window *w
     const enum jp_status status = jp_teb_plan(&patrol->teb, &task, &patrol->obstacles, &patrol->band);
 
     jp_patrol_correct_pose(patrol);
-    if (status == JP_OK) {
-        const struct jp_plane_speed next = reachable(patrol, &patrol->band.speed);
+    if (status == JP_OK && !has_band_stalled(patrol, speed)) {
+        struct jp_plane_speed next = reachable(patrol, &patrol->band.speed);
 
-        if (is_command_free(patrol, &next)) {
+        if (heed_stop(patrol, &next)) {
             patrol->internal.command = next;
             return true;
         }
@@ -160,9 +233,25 @@ static bool must_turn_first(const struct jp_patrol *patrol, const struct jp_patr
            jp_plane_magnitude(jp_plane_wrap(window->direction - patrol->pose.heading)) > patrol->config.turn_first;
 }
 
+/* Of the ways to a goal that is near: a step, which keeps the heading, or a turn, a straight way and what is to be
+ * turned then. */
+static bool is_step_cheapest(const struct jp_patrol *patrol, const struct jp_patrol_window *window)
+{
+    const struct jp_patrol_config *const config = &patrol->config;
+    const struct jp_patrol_goal *const goal = &patrol->internal.goal;
+    const float first = jp_plane_magnitude(jp_plane_wrap(window->direction - patrol->pose.heading));
+    const float then =
+        goal->is_heading_free ? 0.0f : jp_plane_magnitude(jp_plane_wrap(goal->pose.heading - window->direction));
+    const float away = goal_distance(patrol);
+
+    return config->strategy != (uint8_t)JP_PATROL_BY_COST ||
+           jp_patrol_step_price(config, first, away) + jp_patrol_turn_price(config, goal_heading_error(patrol)) <
+               jp_patrol_straight_price(config, first, away) + jp_patrol_turn_price(config, then);
+}
+
 static void turn_first(struct jp_patrol *patrol, const struct jp_patrol_window *window)
 {
-    if (jp_patrol_find_step_to_goal(patrol)) {
+    if (jp_patrol_find_step_to_goal(patrol) && is_step_cheapest(patrol, window)) {
         jp_patrol_begin_step(patrol);
         return;
     }
@@ -171,13 +260,28 @@ static void turn_first(struct jp_patrol *patrol, const struct jp_patrol_window *
     }
 }
 
+/* As hard as it may, to stand at the goal. */
+static void brake(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    const struct jp_patrol_config *const config = &patrol->config;
+    const struct jp_plane_pose there = jp_plane_relative(&patrol->pose, &patrol->internal.goal.pose);
+    const float left = there.x - config->latency * speed->forward;
+
+    jp_patrol_stand(patrol);
+    if (left > 0.0f && speed->forward > 0.0f) {
+        patrol->internal.command.forward =
+            jp_plane_smaller(jp_plane_square_root(2.0f * config->teb.acceleration * left), speed->forward);
+    }
+}
+
 static void arrive(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     patrol->internal.is_arriving = true;
-    jp_patrol_stand(patrol);
     if (!jp_patrol_is_standing(speed)) {
+        brake(patrol, speed);
         return;
     }
+    jp_patrol_stand(patrol);
     if (goal_heading_error(patrol) > patrol->config.heading_tolerance) {
         jp_patrol_turn_to(patrol, patrol->internal.goal.pose.heading);
     } else if (goal_distance(patrol) > patrol->config.position_tolerance && jp_patrol_find_step_to_goal(patrol)) {

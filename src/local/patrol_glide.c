@@ -1,6 +1,7 @@
 #include "src/local/patrol_glide.h"
 
 #include "src/base/plane.h"
+#include "src/local/patrol_price.h"
 #include "src/local/patrol_room.h"
 #include "src/local/patrol_state.h"
 #include "src/local/patrol_turn.h"
@@ -11,7 +12,7 @@
 /* Of clearances between scans, m: a glide that has less than it should does not get nearer;
  * into a goal it keeps the latter, m. */
 #define NOISE         0.01f
-#define CLEARANCE_MIN 0.03f
+#define CLEARANCE_MIN 0.09f
 
 /* Between the poses that are checked, m, and how far a glide is looked ahead at its beginning. */
 #define STEP_LENGTH 0.1f
@@ -30,7 +31,8 @@
 /* A wheel that may be steered either way keeps its way within this, rad. */
 #define ALIKE_MARGIN 0.04f
 
-/* A glide into a goal begins at this distance, and so much farther for each radian, m; nearer, it turns less. */
+/* A glide into a goal begins at this distance at most, and so much farther for each radian, m; nearer, it turns less.
+ */
 #define IN_DISTANCE         0.3f
 #define IN_PER_RADIAN       0.9f
 #define IN_PER_RADIAN_LEAST 0.6f
@@ -46,6 +48,9 @@
 
 /* It turns faster at first, so that it comes to the goal with its heading. */
 #define EARLIER 1.3f
+
+/* A glide into the goal begins so long before the last moment at which its turn does not slow the robot down, s. */
+#define DUE 0.15f
 
 #define TURN_PER_UNIT (2.0f * JP_PLANE_PI / 4294967296.0f)
 #define Q24           (1.0f / (float)JP_Q24_ONE)
@@ -203,22 +208,6 @@ static void begin(struct jp_patrol *patrol, const struct glide *glide, bool is_s
 
 /* ---- Choice ---- */
 
-/* Turning in place by an angle, with the wheels steered to it and back, J. */
-static float turn_cost(const struct jp_patrol *patrol, float angle)
-{
-    const struct jp_patrol_config *const config = &patrol->config;
-    const float in_place = jp_plane_bearing((float)config->wheels.track, (float)config->wheels.wheelbase);
-    const float seconds = angle / config->turn_rate + config->turn_rate / config->turn_acceleration;
-
-    return 2.0f * in_place * config->price.steering + angle * config->price.turning + seconds * config->price.second;
-}
-
-/* Steering to a glide that begins askew by an angle, J; it turns on its way. */
-static float glide_cost(const struct jp_patrol *patrol, float askew)
-{
-    return askew * patrol->config.price.steering;
-}
-
 /* The part of an angle that a glide can take, with its sign. */
 static float askew_part(const struct jp_patrol *patrol, float angle)
 {
@@ -227,46 +216,100 @@ static float askew_part(const struct jp_patrol *patrol, float angle)
     return jp_plane_clamp(angle, -most, most);
 }
 
-/* The glide into the goal, if it is near enough: from a pose, along a direction. */
-static bool leads_in(const struct jp_patrol *patrol, const struct jp_patrol_window *window, float direction,
-                     struct glide *glide)
+/* From a speed until it stands a distance farther on, as fast as it can, s. */
+static float time_to_stop(const struct jp_patrol *patrol, float speed, float away)
 {
+    const float acceleration = patrol->config.teb.acceleration;
+    const float ramps = away * acceleration + 0.5f * speed * speed;
+    const float peak = smaller(jp_plane_square_root(ramps), larger(patrol->config.teb.speed_max, speed));
+
+    /* Nearer than it takes to brake: as if it braked harder, over the whole distance. */
+    return peak < speed ? 2.0f * away / speed
+                        : (2.0f * peak - speed) / acceleration + (ramps - peak * peak) / (acceleration * peak);
+}
+
+/* The most that a glide into the goal may turn: what the robot has time for while it drives in. Where a turn in place
+ * is saved altogether, it may also take as long as that. */
+static float turn_in_time(const struct jp_patrol *patrol, float seconds, bool is_whole)
+{
+    const struct jp_patrol_config *const config = &patrol->config;
+    const float ramps = config->turn_rate / config->turn_acceleration;
+
+    return config->turn_rate *
+           (is_whole ? seconds + jp_patrol_in_place(config) / config->steering_rate : seconds - ramps);
+}
+
+/* The glide into the goal, if it is near enough: from a pose, along a direction, at a speed. */
+static bool leads_in(const struct jp_patrol *patrol, const struct jp_patrol_window *window, float direction,
+                     float speed, struct glide *glide)
+{
+    const struct jp_patrol_config *const config = &patrol->config;
     const struct jp_patrol_goal *const goal = &patrol->internal.goal;
     const float away = goal_distance(patrol, &glide->pose);
-    const float turned = askew_part(patrol, jp_plane_wrap(goal->pose.heading - direction));
+    const float whole = jp_plane_wrap(goal->pose.heading - direction);
+    const float turned = askew_part(patrol, whole);
+    const bool is_whole = jp_plane_magnitude(whole - turned) < config->heading_tolerance;
     const float turn = jp_plane_wrap(direction + turned - glide->pose.heading);
-    const float most = away / IN_PER_RADIAN_LEAST;
+    const float seconds = time_to_stop(patrol, speed, away);
+    const float most = smaller(away / IN_PER_RADIAN_LEAST, turn_in_time(patrol, seconds, is_whole));
+    const float due =
+        seconds - DUE - jp_plane_magnitude(turn) / config->turn_rate - config->turn_rate / config->turn_acceleration;
 
     glide->heading = jp_plane_wrap(glide->pose.heading + jp_plane_clamp(turn, -most, most));
-    glide->is_to_goal =
-        window->is_goal && !goal->is_heading_free && away < IN_DISTANCE + IN_PER_RADIAN * jp_plane_magnitude(turn);
+    glide->is_to_goal = window->is_goal && !goal->is_heading_free && most > ALONG && due < 0.0f;
     return glide->is_to_goal;
+}
+
+/* What is left of an angle to turn in place, when a glide takes a part of it. */
+static float first_turn(const struct jp_patrol_config *config, float angle, float part)
+{
+    const float rest = jp_plane_magnitude(angle - part);
+
+    return rest < config->heading_tolerance ? 0.0f : rest;
+}
+
+static float set_off_price(const struct jp_patrol_config *config, float angle, float part)
+{
+    const float first = first_turn(config, angle, part);
+
+    return jp_patrol_turn_price(config, first) +
+           jp_patrol_steering_price(config, jp_plane_magnitude(part), first > 0.0f);
+}
+
+/* The part of an angle that a glide takes at least cost: all that it can, or as much as the wheels stand askew after a
+ * turn in place. */
+static float cheapest_part(const struct jp_patrol *patrol, float angle)
+{
+    const struct jp_patrol_config *const config = &patrol->config;
+    const float in_place = jp_patrol_in_place(config);
+    const float most = askew_part(patrol, angle);
+    const float alike = jp_plane_clamp(most, -in_place, in_place);
+
+    return set_off_price(config, angle, alike) < set_off_price(config, angle, most) ? alike : most;
 }
 
 bool jp_patrol_set_off(struct jp_patrol *patrol, const struct jp_patrol_window *window)
 {
+    const struct jp_patrol_config *const config = &patrol->config;
     const float askew = jp_plane_wrap(window->direction - patrol->pose.heading);
-    const float reached = askew_part(patrol, askew);
-    const bool is_reached = jp_plane_magnitude(askew - reached) < patrol->config.heading_tolerance;
-    const float part = is_reached ? askew : reached;
-    const float first = jp_plane_magnitude(askew - part);
+    const float part = cheapest_part(patrol, askew);
     struct glide glide = glide_from(patrol, &patrol->pose);
 
-    if (patrol->config.strategy != (uint8_t)JP_PATROL_BY_COST ||
-        (is_reached ? 0.0f : turn_cost(patrol, first)) + glide_cost(patrol, jp_plane_magnitude(part)) >=
-            turn_cost(patrol, jp_plane_magnitude(askew))) {
+    if (config->strategy != (uint8_t)JP_PATROL_BY_COST ||
+        set_off_price(config, askew, part) >= set_off_price(config, askew, 0.0f)) {
         return false;
     }
     glide.pose.heading = jp_plane_wrap(window->direction - part);
-    (void)leads_in(patrol, window, window->direction, &glide);
+    (void)leads_in(patrol, window, window->direction, patrol->config.teb.speed_max, &glide);
     if (!is_free(patrol, &glide)) {
         return false;
     }
-    if (is_reached) {
+    if (first_turn(config, askew, part) > 0.0f) {
+        jp_patrol_turn_to(patrol, glide.pose.heading);
+    } else {
+        glide.pose.heading = patrol->pose.heading;
         begin(patrol, &glide, true);
-        return true;
     }
-    jp_patrol_turn_to(patrol, glide.pose.heading);
     return true;
 }
 
@@ -275,13 +318,17 @@ bool jp_patrol_glide_in(struct jp_patrol *patrol, const struct jp_patrol_window 
     struct glide glide = glide_from(patrol, &patrol->pose);
 
     if (!patrol->config.turns_in_place || patrol->config.strategy != (uint8_t)JP_PATROL_BY_COST ||
-        !leads_in(patrol, window, window->direction, &glide)) {
+        !leads_in(patrol, window, window->direction,
+                  jp_plane_length(patrol->internal.command.forward, patrol->internal.sideways), &glide)) {
         return false;
     }
     const struct jp_plane_pose end = {patrol->internal.goal.pose.x, patrol->internal.goal.pose.y, glide.heading};
 
+    float rest;
+
     glide.clearance = smaller(glide.clearance, jp_patrol_clearance(patrol, &end) - NOISE);
-    if (glide.clearance < CLEARANCE_MIN || !is_free(patrol, &glide)) {
+    if (glide.clearance < CLEARANCE_MIN || !is_free(patrol, &glide) ||
+        !jp_patrol_find_turn(patrol, &end, patrol->internal.goal.pose.heading, CLEARANCE_MIN, &rest)) {
         return false;
     }
     begin(patrol, &glide, false);
@@ -402,10 +449,20 @@ static bool can_steer(const struct jp_patrol *patrol, const struct chassis_motio
     return true;
 }
 
-/* As near to a motion as the wheels can follow in a cycle; at a stand they are steered first. */
+static struct chassis_motion slowed(const struct chassis_motion *motion, float speed)
+{
+    const float now = jp_plane_length(motion->forward, motion->left);
+    const float share = now > speed ? speed / now : 1.0f;
+
+    return (struct chassis_motion){share * motion->forward, share * motion->left, share * motion->turn_rate};
+}
+
+/* As near to a motion as the wheels can follow in a cycle; at a stand they are steered first. Slower needs no steering.
+ */
 static struct chassis_motion steered(const struct jp_patrol *patrol, const struct chassis_motion *wanted)
 {
-    const struct chassis_motion now = commanded(patrol);
+    const struct chassis_motion before = commanded(patrol);
+    const struct chassis_motion now = slowed(&before, jp_plane_length(wanted->forward, wanted->left));
     struct chassis_motion next = *wanted;
     float share = 1.0f;
 

@@ -10,6 +10,8 @@
 #include "src/local/patrol_approach.h"
 #include "src/local/patrol_glide.h"
 #include "src/local/patrol_marks.h"
+#include "src/local/patrol_path.h"
+#include "src/local/patrol_trodden.h"
 
 /* Of a path's points, m. */
 #define SPACING 0.1f
@@ -33,6 +35,11 @@
 #define REPLAN_WAIT   8U
 #define LAST_LEG_WAIT 30U
 #define REPLANS_MAX   6U
+
+/* A way around where people walk is looked for after so much standing for them, s, and again after so many times as
+ * much as the last time. */
+#define DETOUR_WAIT   3.0f
+#define DETOUR_FACTOR 1.5f
 
 /* Corners of the footprint with its margin are at most so far from its centre, cells. */
 #define RADIUS_MAX 60.0f
@@ -289,6 +296,29 @@ static bool smooth(struct jp_patrol_mission *mission, uint16_t *count)
     return true;
 }
 
+static float length_of(const struct jp_point *path, uint16_t first, uint16_t count)
+{
+    float length = 0.0f;
+
+    for (uint16_t i = first; i + 1U < count; i++) {
+        const struct jp_plane_point a = jp_patrol_path_point(&path[i]);
+        const struct jp_plane_point b = jp_patrol_path_point(&path[i + 1U]);
+
+        length += jp_plane_length(b.x - a.x, b.y - a.y);
+    }
+    return length;
+}
+
+/* Who has waited for a time will, as far as is known, wait for as long again: a way that takes no longer is better. */
+static bool is_worth_its_way(const struct jp_patrol_mission *mission, uint16_t count)
+{
+    const struct jp_patrol *const patrol = &mission->patrol;
+    const float saved = patrol->config.teb.speed_max * patrol->internal.yielded;
+
+    return length_of(mission->internal.paths[1], 0, count) <
+           length_of(patrol->internal.path, patrol->internal.path_next, patrol->internal.path_count) + saved;
+}
+
 enum finding { PENDING, FOUND, NOT_FOUND };
 
 static enum finding as_finding(bool is_followed)
@@ -314,6 +344,9 @@ static enum finding find(struct jp_patrol_mission *mission, unsigned expansions)
         }
         mission->internal.is_searching = false;
         if (smooth(mission, &count)) {
+            if (mission->internal.is_detour && !is_worth_its_way(mission, count)) {
+                return NOT_FOUND;
+            }
             mission->counts = *jp_grid_planner_statistics(&mission->internal.grid);
             return as_finding(follow(mission, &mission->internal.target, count));
         }
@@ -337,10 +370,32 @@ static void seek(struct jp_patrol_mission *mission, const struct jp_plane_pose *
     mission->state = JP_MISSION_PLANNING;
 }
 
+static void end_detour(struct jp_patrol_mission *mission)
+{
+    if (mission->internal.is_detour) {
+        jp_patrol_clear_trodden(&mission->patrol, mission->config.map, mission->internal.detour_clearance,
+                                &mission->internal.marked);
+        mission->internal.is_detour = false;
+        mission->internal.detour_due = jp_plane_larger(DETOUR_FACTOR * mission->patrol.internal.yielded, DETOUR_WAIT);
+    }
+}
+
 static void plan(struct jp_patrol_mission *mission)
 {
+    end_detour(mission);
     mission->internal.leg = JP_LEG_GOAL;
     seek(mission, &mission->internal.goal);
+}
+
+/* With a clearance from where people walk. */
+static void seek_detour(struct jp_patrol_mission *mission, float clearance)
+{
+    const struct jp_plane_pose target = mission->internal.target;
+
+    jp_patrol_occupy_trodden(&mission->patrol, &target, clearance, &mission->internal.marked);
+    seek(mission, &target);
+    mission->internal.is_detour = true;
+    mission->internal.detour_clearance = clearance;
 }
 
 /* Whether the path comes to its end in the heading that is asked for there; on the spot that is the robot's own. */
@@ -410,6 +465,16 @@ static void end_search(struct jp_patrol_mission *mission, enum finding finding)
 {
     struct jp_plane_pose approach;
 
+    if (mission->internal.is_detour && finding != FOUND) {
+        end_detour(mission);
+        if (mission->internal.detour_clearance > 0.0f) {
+            seek_detour(mission, 0.0f);
+        } else {
+            mission->state = state_of(mission);
+        }
+        return;
+    }
+    end_detour(mission);
     if (mission->internal.leg == JP_LEG_GOAL && !(finding == FOUND && ends_along(mission)) &&
         (finding != FOUND || !jp_patrol_can_glide_in(&mission->patrol)) && choose_approach(mission, &approach)) {
         mission->internal.leg = JP_LEG_APPROACH;
@@ -440,6 +505,7 @@ enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const 
     mission->internal.goal = *goal;
     mission->replans = 0;
     mission->internal.waited = 0;
+    mission->internal.detour_due = DETOUR_WAIT;
     plan(mission);
     return JP_OK;
 }
@@ -491,6 +557,18 @@ static void wait(struct jp_patrol_mission *mission, const struct jp_patrol_input
     }
 }
 
+/* People walk to and fro across its way. */
+static bool is_detour_due(struct jp_patrol_mission *mission)
+{
+    const float yielded = mission->patrol.internal.yielded;
+
+    if (yielded <= 0.0f) {
+        mission->internal.detour_due = DETOUR_WAIT;
+    }
+    return yielded > mission->internal.detour_due && mission->patrol.internal.is_yielding &&
+           (mission->internal.leg == JP_LEG_GOAL || mission->internal.leg == JP_LEG_APPROACH) && !is_near(mission);
+}
+
 static void drive_in(struct jp_patrol_mission *mission)
 {
     mission->internal.leg = JP_LEG_LAST;
@@ -508,6 +586,9 @@ static void follow_up(struct jp_patrol_mission *mission, const struct jp_patrol_
         drive_in(mission);
     } else if (needs_path(mission)) {
         wait(mission, input);
+    } else if (is_detour_due(mission)) {
+        mark(mission, input);
+        seek_detour(mission, mission->config.patrol.people.clearance);
     } else {
         mission->internal.waited = 0;
     }

@@ -71,22 +71,28 @@ bool jp_patrol_find_turn(const struct jp_patrol *patrol, const struct jp_plane_p
     return jp_patrol_is_turn_free(patrol, from, longer, clearance);
 }
 
-bool jp_patrol_is_step_free(const struct jp_patrol *patrol, const struct jp_plane_pose *step, float clearance)
+bool jp_patrol_is_step_free_from(const struct jp_patrol *patrol, const struct jp_plane_pose *from,
+                                 const struct jp_plane_pose *step, float clearance)
 {
     const unsigned parts = (unsigned)(jp_plane_length(step->x, step->y) / WAY_STEP) + 1U;
-    const float now = jp_patrol_clearance(patrol, &patrol->pose) - NOISE;
+    const float now = jp_patrol_clearance(patrol, from) - NOISE;
     const float least = now < clearance ? now : clearance;
 
     for (unsigned i = 1; i <= parts; i++) {
         const float share = (float)i / (float)parts;
         const struct jp_plane_pose part = {share * step->x, share * step->y, 0.0f};
-        const struct jp_plane_pose pose = jp_plane_compose(&patrol->pose, &part);
+        const struct jp_plane_pose pose = jp_plane_compose(from, &part);
 
         if (jp_patrol_clearance(patrol, &pose) < least) {
             return false;
         }
     }
     return true;
+}
+
+bool jp_patrol_is_step_free(const struct jp_patrol *patrol, const struct jp_plane_pose *step, float clearance)
+{
+    return jp_patrol_is_step_free_from(patrol, &patrol->pose, step, clearance);
 }
 
 /* From straight ahead to both sides in turn. */

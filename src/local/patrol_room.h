@@ -23,6 +23,10 @@ bool jp_patrol_find_turn(const struct jp_patrol *patrol, const struct jp_plane_p
  *  it has less now, does not get nearer. */
 bool jp_patrol_is_step_free(const struct jp_patrol *patrol, const struct jp_plane_pose *step, float clearance);
 
+/** The same from another pose. */
+bool jp_patrol_is_step_free_from(const struct jp_patrol *patrol, const struct jp_plane_pose *from,
+                                 const struct jp_plane_pose *step, float clearance);
+
 /** The shortest of some steps forward or aside after which the turn to a heading is free. False: none is. */
 bool jp_patrol_find_step(const struct jp_patrol *patrol, float heading, float clearance, struct jp_plane_point *target);
 

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "src/base/plane.h"
+#include "src/local/patrol_trodden.h"
 
 bool jp_patrol_uses_laser(const struct jp_patrol *patrol)
 {
@@ -84,6 +85,7 @@ void jp_patrol_look(struct jp_patrol *patrol, const struct jp_patrol_input *inpu
     }
     (void)jp_movers_update(&patrol->movers, &patrol->config.movers, &patrol->config.scan, &input->scan, &sensor,
                            period);
+    jp_patrol_note_steps(patrol);
     jp_movers_mark(&patrol->movers, &patrol->config.movers, &seen);
     patrol->internal.scan_gap = 0;
     patrol->obstacles = seen;

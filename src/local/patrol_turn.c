@@ -12,10 +12,13 @@
 #define TURN_FORESIGHT 0.25f
 #define TURN_MARGIN    0.05f /* rad */
 
+/* After a turn to its way the robot drives on, and may be off by so much, rad. */
+#define ROUGHLY 0.07f
+
 /* Clearances that are tried for a turn, from the one that is wanted to the least. */
 #define TURN_TRIES 5U
 
-/* A step ends this near its target; one to the goal is at most so long, m. */
+/* A step ends this near its target; one to the goal is at most so long where nobody asks what it costs, m. */
 #define STEP_TOLERANCE 0.03f
 #define STEP_REACH     0.4f
 
@@ -50,8 +53,10 @@ bool jp_patrol_find_step_to_goal(struct jp_patrol *patrol)
     const float away = jp_plane_length(remaining.x, remaining.y);
 
     patrol->internal.step_target = (struct jp_plane_point){patrol->internal.goal.pose.x, patrol->internal.goal.pose.y};
-    return away > STEP_TOLERANCE && away < STEP_REACH &&
-           (patrol->config.strategy == (uint8_t)JP_PATROL_BY_COST || remaining.x > -STEP_TOLERANCE) &&
+    return away > STEP_TOLERANCE &&
+           (patrol->config.strategy == (uint8_t)JP_PATROL_BY_COST
+                ? away < patrol->config.horizon
+                : away < STEP_REACH && remaining.x > -STEP_TOLERANCE) &&
            jp_patrol_is_step_free(patrol, &step, step_clearance(&patrol->config));
 }
 
@@ -78,17 +83,48 @@ void jp_patrol_begin_step(struct jp_patrol *patrol)
     jp_patrol_stand(patrol);
 }
 
+/* The wheels are steered at once. */
+static void start_turn(struct jp_patrol *patrol, float angle)
+{
+    const float most =
+        jp_plane_smaller(patrol->config.turn_acceleration * patrol->config.period, patrol->config.turn_rate);
+
+    jp_patrol_stand(patrol);
+    patrol->internal.command.turn_rate = angle < 0.0f ? -most : most;
+}
+
 static void begin_turn(struct jp_patrol *patrol, float heading, float angle)
 {
     if (jp_patrol_trust_path(patrol)) {
         patrol->internal.turn_target = heading;
         patrol->internal.turn_remaining = angle;
         jp_patrol_enter(patrol, JP_PATROL_TURNING, JP_PATROL_NONE);
+        start_turn(patrol, angle);
+    } else {
+        jp_patrol_stand(patrol);
     }
-    jp_patrol_stand(patrol);
 }
 
-/* The turn on the spot, else after a step to where there is room for it: at the goal, the step to the goal itself. */
+/* A place beside the goal with room for the turn, from where the robot then steps into the goal. */
+static bool find_turn_beside_goal(struct jp_patrol *patrol, float heading, float clearance)
+{
+    const struct jp_plane_pose *const goal = &patrol->internal.goal.pose;
+    struct jp_plane_point place;
+
+    if (!jp_patrol_find_step(patrol, heading, clearance, &place)) {
+        return false;
+    }
+
+    const struct jp_plane_pose there = {place.x, place.y, heading};
+    const struct jp_plane_pose remaining = jp_plane_relative(&there, goal);
+    const struct jp_plane_pose step = {remaining.x, remaining.y, 0.0f};
+
+    patrol->internal.step_target = place;
+    return jp_plane_length(remaining.x, remaining.y) < STEP_REACH &&
+           jp_patrol_is_step_free_from(patrol, &there, &step, step_clearance(&patrol->config));
+}
+
+/* The turn on the spot, else after a step to where there is room for it. */
 static bool turn_with(struct jp_patrol *patrol, float heading, float clearance)
 {
     float angle;
@@ -97,8 +133,8 @@ static bool turn_with(struct jp_patrol *patrol, float heading, float clearance)
         begin_turn(patrol, heading, angle);
         return true;
     }
-    if (!patrol->internal.is_arriving &&
-        jp_patrol_find_step(patrol, heading, clearance, &patrol->internal.step_target)) {
+    if (patrol->internal.is_arriving ? find_turn_beside_goal(patrol, heading, clearance)
+                                     : jp_patrol_find_step(patrol, heading, clearance, &patrol->internal.step_target)) {
         jp_patrol_begin_step(patrol);
         return true;
     }
@@ -147,7 +183,8 @@ void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed
     const struct jp_patrol_config *const config = &patrol->config;
     const float remaining = update_turn(patrol);
     const float angle = jp_plane_magnitude(remaining);
-    const bool is_there = angle < 0.5f * config->heading_tolerance;
+    const float exactly = 0.5f * config->heading_tolerance;
+    const bool is_there = angle < (patrol->internal.is_arriving ? exactly : jp_plane_larger(exactly, ROUGHLY));
 
     if (is_there && jp_plane_magnitude(speed->turn_rate) < STANDSTILL_TURN_RATE) {
         end_turn(patrol);

@@ -4,10 +4,14 @@
 #include "src/local/patrol_room.h"
 #include "src/local/patrol_turn.h"
 
-/* What is foreseen, s, and how finely. */
-#define HORIZON 4.0f
-#define STEP    0.25f
-#define STEPS   16U
+/* What is foreseen, s, and how finely; by who has waited for people for long, less: they must stop in time, but may
+ * have to stop where somebody walks. */
+#define HORIZON           4.0f
+#define HORIZON_IMPATIENT 2.5f
+#define PATIENT           5.0f
+#define IMPATIENT         30.0f
+#define STEP              0.25f
+#define STEPS             16U
 
 /* From somebody's change of mind until the tracker knows, s. */
 #define NOTICE 0.3f
@@ -25,10 +29,17 @@
 #define GAP 0.5f
 
 /* Beyond this the uncertainty of a direction grows no further, s. */
-#define SPREAD_TIME 1.0f
+#define SPREAD_TIME 0.5f
 
-/* However near something is, the robot may get away from it, m. */
-#define CLEARANCE_MIN 0.05f
+/* What the robot keeps from things that it drives towards, m: it is the slower the nearer it comes to that. Where there
+ * is no more, it passes them creeping, in m/s, but no nearer than the laser and its own control are exact, m. */
+#define CLEARANCE     0.1f
+#define CREEP         0.1f
+#define CLEARANCE_MIN 0.03f
+
+/* Of the highest speed: at less it may come nearer to who stays, and at how much as near as to things. */
+#define SLOW     0.5f
+#define CREEPING 0.15f
 
 /* Slower than this the robot stands, m/s. */
 #define STANDING 0.05f
@@ -185,6 +196,36 @@ static float time_to_rest(const struct jp_patrol *patrol, float speed)
     return patrol->config.latency + speed / patrol->config.people.braking + patrol->config.people.rest;
 }
 
+/* Who stays may begin to walk: the nearer the robot is, the slower it moves. */
+static float clearance_at(const struct jp_patrol *patrol, float speed)
+{
+    const float share = (speed / patrol->config.teb.speed_max - CREEPING) / (SLOW - CREEPING);
+
+    return patrol->config.people.clearance * jp_plane_clamp(share, 0.0f, 1.0f);
+}
+
+/* Of those who are nobody who may walk on. */
+static bool is_stander(const struct jp_mover *mover)
+{
+    return mover->pace > 0.0f && mover->misses == 0U;
+}
+
+/* How near it may come to who stays, and how near it does; creeping, as near as to any thing. */
+static void look_at_stander(const struct jp_patrol *patrol, const struct jp_mover *mover,
+                            const struct jp_plane_pose *pose, float speed, struct yield_outlook *outlook)
+{
+    const struct jp_footprint *const footprint = &patrol->config.teb.footprint;
+    const struct jp_obstacle place = {.vertices = {mover->centre}, .vertex_count = 1, .radius = mover->radius};
+    const float distance = jp_obstacle_distance(footprint, pose, &place, NULL);
+    const float clearance = clearance_at(patrol, speed);
+
+    if (clearance > 0.0f && distance < clearance &&
+        distance < jp_obstacle_distance(footprint, &patrol->pose, &place, NULL) - NEARER) {
+        outlook->is_free = false;
+        outlook->nearest = jp_plane_smaller(distance, outlook->nearest);
+    }
+}
+
 /* At a pose after a time, at a speed. */
 static void look_at(const struct jp_patrol *patrol, const struct jp_plane_pose *pose, float time, float speed,
                     struct yield_outlook *outlook)
@@ -206,6 +247,10 @@ static void look_at(const struct jp_patrol *patrol, const struct jp_plane_pose *
                  distance < jp_obstacle_distance(footprint, &patrol->pose, &place, NULL) - NEARER)) {
                 outlook->is_free = false;
             }
+        } else if (is_stander(&patrol->movers.movers[i])) {
+            look_at_stander(patrol, &patrol->movers.movers[i], pose, speed, outlook);
+        } else {
+            /* A thing. */
         }
     }
 }
@@ -229,6 +274,17 @@ static struct yield_outlook look_along(const struct jp_patrol *patrol, const str
     return outlook;
 }
 
+static bool sees_anybody(const struct jp_patrol *patrol)
+{
+    for (unsigned i = 0; i < patrol->movers.count; i++) {
+        if (patrol->movers.movers[i].pace > 0.0f) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Who may walk on: they make way sometime. */
 static bool sees_people(const struct jp_patrol *patrol)
 {
     for (unsigned i = 0; i < patrol->movers.count; i++) {
@@ -252,11 +308,18 @@ static float nearest_if_braked(const struct jp_patrol *patrol, const struct yiel
     return now < STANDING ? JP_OBSTACLE_NONE : look_along(patrol, course, &profile, time_to_rest(patrol, now)).nearest;
 }
 
+static float horizon_of(const struct jp_patrol *patrol)
+{
+    const float share = (patrol->internal.yielded - PATIENT) / (IMPATIENT - PATIENT);
+
+    return HORIZON - (HORIZON - HORIZON_IMPATIENT) * jp_plane_clamp(share, 0.0f, 1.0f);
+}
+
 /* The highest speed that is safe; where none is, the one at which the robot stays farthest from people. */
 static float safe_speed(const struct jp_patrol *patrol, float now)
 {
     /* Of the highest speed. */
-    static const float shares[] = {1.0f, 0.75f, 0.5f, 0.3f, 0.15f};
+    static const float shares[] = {1.0f, 0.75f, 0.5f, 0.3f, CREEPING};
     struct yield_course course;
     float best = 0.0f;
 
@@ -267,7 +330,7 @@ static float safe_speed(const struct jp_patrol *patrol, float now)
     for (unsigned i = 0; i < sizeof shares / sizeof shares[0]; i++) {
         const float speed = patrol->config.teb.speed_max * shares[i];
         const struct profile profile = {now, speed, patrol->config.teb.acceleration, patrol->config.latency};
-        const struct yield_outlook outlook = look_along(patrol, &course, &profile, HORIZON);
+        const struct yield_outlook outlook = look_along(patrol, &course, &profile, horizon_of(patrol));
 
         if (outlook.is_free) {
             return speed;
@@ -283,7 +346,7 @@ static float safe_speed(const struct jp_patrol *patrol, float now)
 /* The command slowed down to a speed, with its curve kept. */
 static void slow_down(struct jp_patrol *patrol, float wanted, float speed)
 {
-    const float share = speed / wanted;
+    const float share = jp_plane_smaller(speed / wanted, 1.0f);
 
     patrol->internal.command.forward *= share;
     patrol->internal.command.turn_rate *= share;
@@ -298,6 +361,12 @@ static struct jp_plane_pose pose_after(const struct jp_patrol *patrol, float wan
                                        time * patrol->internal.command.turn_rate};
 
     return jp_plane_compose(&patrol->pose, &step);
+}
+
+/* From which it stops within a way. */
+static float speed_within(const struct jp_patrol_config *config, float way)
+{
+    return jp_patrol_stopping_speed(config, config->people.braking, jp_plane_larger(way, 0.0f));
 }
 
 /* The nearer something is on its way, the slower: it could stop before it came nearer than in a turn on the spot. What
@@ -316,13 +385,22 @@ static void heed_clearance(struct jp_patrol *patrol)
     const struct jp_plane_pose stopped = pose_after(patrol, wanted, way);
     const float here = jp_patrol_clearance(patrol, &patrol->pose);
     const float nearer = here - jp_patrol_clearance(patrol, &stopped);
-    const float room = jp_plane_larger(here - config->turn_clearance, CLEARANCE_MIN);
 
-    if (nearer > room) {
-        const float most = jp_patrol_stopping_speed(config, config->people.braking, way * room / nearer);
-
-        slow_down(patrol, wanted, most);
+    if (nearer > 0.0f) {
+        slow_down(
+            patrol, wanted,
+            jp_plane_larger(speed_within(config, way * (here - CLEARANCE) / nearer),
+                            jp_plane_smaller(speed_within(config, way * (here - CLEARANCE_MIN) / nearer), CREEP)));
     }
+}
+
+/* What it drives is worth half as much: who creeps on gains little. */
+static void count_wait(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+{
+    const float period = patrol->config.period;
+    const bool stands = patrol->internal.is_yielding && jp_patrol_is_standing(speed);
+
+    patrol->internal.yielded = jp_plane_larger(patrol->internal.yielded + (stands ? period : -0.5f * period), 0.0f);
 }
 
 void jp_patrol_yield(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
@@ -334,15 +412,16 @@ void jp_patrol_yield(struct jp_patrol *patrol, const struct jp_plane_speed *spee
     const float wanted = speed_of(patrol, command->forward, patrol->internal.sideways, command->turn_rate);
 
     patrol->internal.is_yielding = patrol->state == JP_PATROL_WAITING && sees_people(patrol);
-    if (wanted > 0.0f && sees_people(patrol)) {
+    if (wanted > 0.0f && sees_anybody(patrol)) {
         const float now = speed_of(patrol, speed->forward, patrol->internal.sideways_before, speed->turn_rate);
         const float safe = safe_speed(patrol, now);
 
         if (safe < wanted) {
             slow_down(patrol, wanted, safe);
-            patrol->internal.is_yielding = true;
-            patrol->counts.yields += was_yielding ? 0U : 1U;
+            patrol->internal.is_yielding = sees_people(patrol);
+            patrol->counts.yields += was_yielding || !patrol->internal.is_yielding ? 0U : 1U;
         }
     }
     patrol->internal.sideways_before = patrol->internal.sideways;
+    count_wait(patrol, speed);
 }

@@ -8,7 +8,10 @@
  * Slows the command of this cycle down, with its curve kept, to what is safe in time: among a few speeds it takes the
  * highest at which the robot keeps its clearance, all along what it plans for some seconds, from where people may be
  * then: on their lines from where they would be if they turned round, to where they will be a rest later. At none of
- * them: it brakes. What is no nearer to people than standing still is free.
+ * them: it brakes. What is no nearer to people than standing still is free. Who has waited for long is content with
+ * fewer seconds; who stays for long is passed the slower the nearer.
+ *
+ * Before, it slows the command down to what stops before things, and after, counts how long it has stood for people.
  * Work: speeds × instants × people at most, two distances each.
  */
 void jp_patrol_yield(struct jp_patrol *patrol, const struct jp_plane_speed *speed);

@@ -66,8 +66,9 @@ static enum jp_status check(const struct jp_teb_config *config, const char **fie
         FIELD(weights.turn_acceleration, 0.0f, VALUE_MAX),
         FIELD(weights.obstacle, 0.0f, VALUE_MAX),
         FIELD(weights.path, 0.0f, VALUE_MAX),
-        FIELD(weights.time, 0.0f, VALUE_MAX),
-        FIELD(weights.slowness, 0.0f, VALUE_MAX),
+        FIELD(weights.second, 0.0f, VALUE_MAX),
+        FIELD(weights.metre, 0.0f, VALUE_MAX),
+        FIELD(weights.drag, 0.0f, VALUE_MAX),
         FIELD(weights.no_reversing, 0.0f, VALUE_MAX),
         FIELD(weights.wheel_odometry, 0.0f, VALUE_MAX),
         FIELD(weights.laser_odometry, 0.0f, VALUE_MAX),
@@ -89,7 +90,6 @@ static struct jp_teb_weights weights_of(const struct jp_teb_config *config)
     weights.turn_rate *= per_interval;
     weights.turn_radius *= per_interval;
     weights.no_reversing *= per_interval;
-    weights.slowness *= 1.0f / (config->speed_max * config->speed_max);
     return weights;
 }
 

@@ -29,6 +29,9 @@ struct step {
     float inverse; /* of the interval */
 };
 
+/* Lengths of steps below it count as if they were driven to and fro, m: so that their absolute value is smooth. */
+#define WAY_SMOOTHING 0.01f
+
 static const struct jp_teb_pose_terms no_pull;
 
 /* The pull of a residual on what it depends on, before its derivatives. */
@@ -97,7 +100,6 @@ static inline void add_limits(struct sums *sums, const struct step *step)
     add_limit(sums, step, 1.0f, length, config->speed_max, weights->speed, by_length);
     add_limit(sums, step, -1.0f, length, config->reverse_max, weights->speed, by_length);
     add_limit(sums, step, -1.0f, length, 0.0f, weights->no_reversing, by_length);
-    add_limit(sums, step, -1.0f, length, -config->speed_max, weights->slowness, by_length);
     add_limit(sums, step, step->turn.value < 0.0f ? -1.0f : 1.0f, step->turn.value, config->turn_rate_max,
               weights->turn_rate, &sums->terms->step.turn);
 }
@@ -122,12 +124,33 @@ static inline void add_turn_radius(struct sums *sums, const struct step *step)
     }
 }
 
+/* Time, and drag on the way. */
 static inline void add_time(struct sums *sums, const struct step *step)
 {
-    const float weight = sums->teb->internal.weights.time;
+    const struct jp_teb_weights *const weights = &sums->teb->internal.weights;
+    struct jp_teb_step_terms *const terms = &sums->terms->step;
+    const float rate = step->length.rate;
+    const float drag = weights->drag * rate;
 
-    sums->terms->step.interval_interval += weight;
-    sums->terms->step.interval += pull_of(sums, weight, step->interval);
+    sums->cost += weights->second * step->interval + drag * step->length.value;
+    terms->interval_interval += 0.5f * (weights->second + drag * rate) * step->inverse;
+    terms->interval += weights->second - drag * rate;
+    terms->length.way_way += 2.0f * weights->drag * step->inverse;
+    terms->length.way_interval -= drag * step->inverse;
+    terms->length.way += 2.0f * drag;
+}
+
+static inline void add_way(struct sums *sums, const struct step *step)
+{
+    const float weight = sums->teb->internal.weights.metre;
+    struct jp_teb_way_terms *const way = &sums->terms->step.length;
+    const float length = step->length.value;
+    const float smooth = jp_plane_length(length, WAY_SMOOTHING);
+    const float by_length = length / smooth;
+
+    sums->cost += weight * smooth;
+    way->way_way += 0.5f * weight * by_length * by_length / smooth;
+    way->way += weight * by_length;
 }
 
 /* ---- Acceleration ---- */
@@ -243,6 +266,7 @@ static void add_step(struct sums *sums, unsigned i, struct step *step)
     add_limits(sums, step);
     add_turn_radius(sums, step);
     add_time(sums, step);
+    add_way(sums, step);
 }
 
 /* ---- A pose ---- */

@@ -4,6 +4,7 @@
 
 #include "src/base/block.h"
 #include "src/base/compiler.h"
+#include "src/map/unit_step.h"
 
 enum {
     WORD_BITS = 32,
@@ -71,20 +72,6 @@ static bool take_next_front(struct jp_lattice_way *way)
     return has_next;
 }
 
-/** The straight primitive of one step along a heading. */
-static const struct jp_primitive *unit_step(const struct jp_lattice *lattice, unsigned heading)
-{
-    for (unsigned i = lattice->first_from[heading]; i < lattice->first_from[heading + 1U]; i++) {
-        const struct jp_primitive *primitive = &lattice->primitives[i];
-
-        if (primitive->end == heading && primitive->move_count == 1U &&
-            lattice->moves[primitive->first_move] == heading) {
-            return primitive;
-        }
-    }
-    return NULL;
-}
-
 static unsigned opposite_of(unsigned direction)
 {
     return (direction + JP_MOVE_DIRECTIONS / 2U) % JP_MOVE_DIRECTIONS;
@@ -109,7 +96,7 @@ static bool sweeps_alike(const struct jp_lattice *lattice, const struct jp_primi
 static void take_steps(struct jp_lattice_way *way)
 {
     for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
-        way->step[direction] = unit_step(way->lattice, direction);
+        way->step[direction] = jp_unit_step(way->lattice, direction);
     }
     for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
         const struct jp_primitive *step = way->step[direction];

@@ -75,6 +75,12 @@ void jp_wavefront_start(struct jp_wavefront *wave, uint32_t step, uint16_t targe
     wave->is_backward = true; /* the first sweep goes forward */
 }
 
+void jp_wavefront_start_up_to(struct jp_wavefront *wave, uint32_t step, uint32_t horizon)
+{
+    jp_wavefront_start(wave, step, 0, 0);
+    wave->horizon = horizon;
+}
+
 void jp_wavefront_clear(struct jp_wavefront *wave)
 {
     const uint16_t left = (uint16_t)(wave->height - wave->clear_row);

@@ -182,7 +182,6 @@ static enum jp_status survey_run(void *context, const struct jp_vehicle_run *run
     struct jp_balancer_vehicle *balancer = balancer_of(context);
     struct jp_balancer_survey *survey = &balancer->survey;
     const struct jp_pilot *pilot = balancer->pilot;
-    const struct jp_robot_config *robot = config_of(balancer);
 
     if (anew) {
         survey->before = (struct jp_balancer_sum){.duration = 0};
@@ -200,8 +199,8 @@ static enum jp_status survey_run(void *context, const struct jp_vehicle_run *run
     survey->heading = jp_atan2(jp_sub(run->targets[0].y, run->start.y), jp_sub(run->targets[0].x, run->start.x));
     add_turn(balancer, survey->heading - run->heading);
     survey->task =
-        (struct jp_trajectory_task){.config = &robot->trajectory,
-                                    .cruise = slowed_down(jp_pilot_cruise(robot, &survey->model), run->slower),
+        (struct jp_trajectory_task){.config = &pilot->internal.trajectory,
+                                    .cruise = slowed_down(jp_pilot_cruise_now(pilot, &survey->model), run->slower),
                                     .start = run->start,
                                     .heading = survey->heading,
                                     .targets = run->targets,

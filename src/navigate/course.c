@@ -102,10 +102,29 @@ static bool follow_way(const struct jp_lattice_way *way, struct jp_course_place 
     return has_next;
 }
 
+/** To the next cell. */
+static bool follow_field(const struct jp_pose_field *field, struct jp_course_place *place)
+{
+    const struct jp_lattice_pose before = place->pose;
+    bool has_next;
+
+    do {
+        has_next = jp_pose_field_next(field, &place->pose);
+    } while (has_next && place->pose.x == before.x && place->pose.y == before.y);
+    /* What is left falls as the way grows. */
+    place->cost = -(int64_t)jp_pose_field_cost(field, place->pose.x, place->pose.y, place->pose.heading);
+    return has_next;
+}
+
 /** To the next place of the route. False: it ends here. */
 static bool follow(const struct jp_course *course, struct jp_course_place *place)
 {
-    return course->internal.planner != NULL ? follow_plan(course, place) : follow_way(course->internal.way, place);
+    const struct jp_course_internal *internal = &course->internal;
+
+    if (internal->planner != NULL) {
+        return follow_plan(course, place);
+    }
+    return internal->way != NULL ? follow_way(internal->way, place) : follow_field(internal->field, place);
 }
 
 static bool leads_on(const struct jp_course *course, const struct jp_course_place *place)
@@ -113,6 +132,14 @@ static bool leads_on(const struct jp_course *course, const struct jp_course_plac
     struct jp_course_place next = *place;
 
     return follow(course, &next);
+}
+
+/** The map has changed since the field was made, so that its way ends before the root. */
+static bool is_cut_off(const struct jp_course *course, const struct jp_course_place *place)
+{
+    const struct jp_pose_field *field = course->internal.field;
+
+    return field != NULL && jp_pose_field_cost(field, place->pose.x, place->pose.y, place->pose.heading) != 0U;
 }
 
 /** From a waypoint on, which is where `place` is. */
@@ -126,7 +153,7 @@ static void begin_leg(struct jp_course *course, const struct jp_point *from, con
     internal->misses = 0;
     internal->margin = course->config.margin;
     if (!leads_on(course, place)) {
-        course->answer = JP_COURSE_FOUND;
+        course->answer = is_cut_off(course, place) ? JP_COURSE_NO_ROOM : JP_COURSE_FOUND;
     }
     internal->candidate = internal->first;
 }
@@ -174,7 +201,7 @@ static int64_t saving_to(const struct jp_course *course, const struct jp_point *
     if (cost == JP_COST_MAX) {
         return TOO_STEEP;
     }
-    return internal->planner != NULL ? internal->candidate.cost - internal->first.cost - (int64_t)cost : 0;
+    return internal->way == NULL ? internal->candidate.cost - internal->first.cost - (int64_t)cost : 0;
 }
 
 /** A clear line becomes the best, unless another one saves more. One that is too steep is taken for a step of the route
@@ -224,12 +251,12 @@ static void retry(struct jp_course *course)
     }
 }
 
-static void start_at(struct jp_course *course, const struct jp_point *start, const struct jp_lattice_pose *first)
+static void start_at(struct jp_course *course, const struct jp_point *start, const struct jp_course_place *first)
 {
     course->internal.start = *start;
     course->count = 0;
     course->answer = JP_COURSE_JOINING;
-    begin_leg(course, start, &(struct jp_course_place){.pose = *first});
+    begin_leg(course, start, first);
     look(course);
 }
 
@@ -246,7 +273,7 @@ enum jp_status jp_course_start(struct jp_course *course, const struct jp_planner
     }
 
     course->internal = (struct jp_course_internal){.planner = planner, .lattice = jp_planner_lattice(planner)};
-    start_at(course, start, &plan->start);
+    start_at(course, start, &(struct jp_course_place){.pose = plan->start});
     return JP_OK;
 }
 
@@ -257,7 +284,24 @@ enum jp_status jp_course_start_on_way(struct jp_course *course, const struct jp_
         return JP_ERR_ARGUMENT;
     }
     course->internal = (struct jp_course_internal){.way = way, .lattice = way->lattice};
-    start_at(course, start, &(struct jp_lattice_pose){.x = from->x, .y = from->y});
+    start_at(course, start, &(struct jp_course_place){.pose = {.x = from->x, .y = from->y}});
+    return JP_OK;
+}
+
+enum jp_status jp_course_start_on_field(struct jp_course *course, const struct jp_pose_field *field,
+                                        const struct jp_lattice_pose *from, const struct jp_point *start)
+{
+    if (course == NULL || field == NULL || from == NULL || start == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const jp_cost cost = jp_pose_field_cost(field, from->x, from->y, from->heading);
+
+    if (cost == JP_COST_MAX) {
+        return JP_ERR_NO_PLAN;
+    }
+    course->internal = (struct jp_course_internal){.field = field, .lattice = field->lattice};
+    start_at(course, start, &(struct jp_course_place){.pose = *from, .cost = -(int64_t)cost});
     return JP_OK;
 }
 

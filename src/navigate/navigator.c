@@ -25,6 +25,9 @@
 /** A robot that has not begun yet has so many times the patience. */
 #define FIRST_PATIENCE 4U
 
+/** m. A robot that stays as near to a point stands there. */
+#define STILL_MAX JP_Q16(0.003)
+
 /** Turns on the spot for one leg; what is left then is left. */
 #define TURNS_MAX 8U
 
@@ -62,22 +65,6 @@ static void plan_anew(struct jp_navigator *navigator, enum jp_navigator_reason r
 
 /* Planning. */
 
-/** Of the headings in a set. */
-static uint8_t nearest_heading(const struct jp_lattice *lattice, uint16_t headings, jp_angle heading)
-{
-    uint8_t best = 0;
-    uint32_t least = UINT32_MAX;
-
-    for (uint8_t i = 0; i < JP_HEADINGS; i++) {
-        const uint32_t off = jp_magnitude32((int32_t)(lattice->heading[i] - heading));
-        if ((((uint32_t)headings >> i) & 1U) != 0U && off < least) {
-            least = off;
-            best = i;
-        }
-    }
-    return best;
-}
-
 /** True when the robot can get from where it is to a cell near it in a straight line. */
 static bool can_reach(const struct jp_navigator *navigator, const struct jp_place *place,
                       const struct jp_lattice_pose *pose)
@@ -98,7 +85,7 @@ static bool set_start(struct jp_navigator *navigator, const struct jp_place *pla
     const int32_t x = place->point.x / cell;
     const int32_t y = place->point.y / cell;
     const uint8_t heading =
-        nearest_heading(jp_planner_lattice(navigator->config.planner), JP_ANY_HEADING, place->heading);
+        jp_frame_nearest_heading(jp_planner_lattice(navigator->config.planner), JP_ANY_HEADING, place->heading);
 
     for (int32_t ring = 0; ring <= PLACES_ROUND; ring++) {
         for (int32_t i = 0; i < (2 * ring + 1) * (2 * ring + 1); i++) {
@@ -198,6 +185,25 @@ static void do_without_route(struct jp_navigator *navigator)
     }
 }
 
+/** Its pose on the lattice, from which was planned last. */
+static struct jp_lattice_pose start_pose(const struct jp_navigator *navigator, const struct jp_place *place)
+{
+    const struct jp_navigator_internal *internal = &navigator->internal;
+
+    return (struct jp_lattice_pose){
+        internal->start.x, internal->start.y,
+        jp_frame_nearest_heading(jp_planner_lattice(navigator->config.planner), JP_ANY_HEADING, place->heading)};
+}
+
+/** The field is finished and leads from where the robot is. */
+static bool has_field(const struct jp_navigator *navigator, const struct jp_place *place)
+{
+    const struct jp_lattice_pose pose = start_pose(navigator, place);
+
+    return navigator->internal.field != NULL &&
+           jp_pose_field_cost(navigator->internal.field, pose.x, pose.y, pose.heading) != JP_COST_MAX;
+}
+
 static bool begin_search(struct jp_navigator *navigator, const struct jp_place *place)
 {
     navigator->internal.was_told = true;
@@ -206,12 +212,33 @@ static bool begin_search(struct jp_navigator *navigator, const struct jp_place *
     return set_start(navigator, place);
 }
 
+/** Nothing is searched; but a robot that sways may be seen to stand where it turns round: it shall be where it is for
+ * as long as it would wait for a route. */
+static void await_stand(struct jp_navigator *navigator, const struct jp_place *place)
+{
+    struct jp_navigator_internal *internal = &navigator->internal;
+
+    internal->spent += navigator->config.slice;
+    if (jp_distance(&place->point, &internal->stand) > STILL_MAX) {
+        internal->was_told = false;
+    } else if (is_late(navigator)) {
+        internal->search = JP_NAVIGATOR_FIELD;
+        enter(navigator, JP_NAVIGATOR_JOINING, navigator->reason);
+    } else {
+        /* It may sway still. */
+    }
+}
+
 static void search(struct jp_navigator *navigator, const struct jp_place *place)
 {
     struct jp_navigator_internal *internal = &navigator->internal;
 
     if (!internal->was_told && !begin_search(navigator, place)) {
         fail(navigator, JP_NAVIGATOR_HEMMED_IN);
+        return;
+    }
+    if (has_field(navigator, place)) {
+        await_stand(navigator, place);
         return;
     }
     const enum jp_answer answer = think(navigator);
@@ -300,6 +327,17 @@ static void prove(struct jp_navigator *navigator)
 
 /* Joining. */
 
+/** A field whose lines have no room is of no use. */
+static void fail_to_join(struct jp_navigator *navigator, enum jp_navigator_reason reason)
+{
+    if (navigator->internal.search == JP_NAVIGATOR_FIELD) {
+        navigator->internal.field = NULL;
+        enter(navigator, JP_NAVIGATOR_PLANNING, navigator->reason);
+    } else {
+        fail(navigator, reason);
+    }
+}
+
 static void survey(struct jp_navigator *navigator, const struct jp_place *place)
 {
     enum jp_status status = JP_WORKING;
@@ -311,7 +349,7 @@ static void survey(struct jp_navigator *navigator, const struct jp_place *place)
         navigator->internal.leg = 0;
         enter(navigator, JP_NAVIGATOR_TURNING, navigator->reason);
     } else if (status == JP_ERR_BLOCKED) {
-        fail(navigator, JP_NAVIGATOR_NO_ROOM);
+        fail_to_join(navigator, JP_NAVIGATOR_NO_ROOM);
     } else if (status != JP_WORKING) {
         (void)accepts(navigator, status);
     } else {
@@ -319,11 +357,16 @@ static void survey(struct jp_navigator *navigator, const struct jp_place *place)
     }
 }
 
-static void begin_course(struct jp_navigator *navigator)
+/** A field that has been started anew since leads nowhere. */
+static void begin_course(struct jp_navigator *navigator, const struct jp_place *place)
 {
     struct jp_navigator_internal *internal = &navigator->internal;
+    const struct jp_lattice_pose pose = start_pose(navigator, place);
 
-    if (internal->has_route) {
+    if (internal->search == JP_NAVIGATOR_FIELD) {
+        internal->course.answer = JP_COURSE_NO_ROOM;
+        (void)jp_course_start_on_field(&internal->course, internal->field, &pose, &internal->stand);
+    } else if (internal->has_route) {
         (void)jp_course_start(&internal->course, navigator->config.planner, &internal->stand);
     } else {
         (void)jp_course_start_on_way(&internal->course, &internal->way, &internal->start, &internal->stand);
@@ -349,7 +392,7 @@ static void join(struct jp_navigator *navigator, const struct jp_place *place)
         internal->was_told = true;
         see_map(navigator);
         jp_survey_start(navigator);
-        begin_course(navigator);
+        begin_course(navigator, place);
     }
     if (has_map_changed(navigator)) {
         enter(navigator, JP_NAVIGATOR_PLANNING, navigator->reason);
@@ -365,10 +408,10 @@ static void join(struct jp_navigator *navigator, const struct jp_place *place)
         }
         break;
     case JP_COURSE_NO_ROOM:
-        fail(navigator, JP_NAVIGATOR_NO_ROOM);
+        fail_to_join(navigator, JP_NAVIGATOR_NO_ROOM);
         break;
     case JP_COURSE_TOO_LONG:
-        fail(navigator, JP_NAVIGATOR_TOO_LONG);
+        fail_to_join(navigator, JP_NAVIGATOR_TOO_LONG);
         break;
     default:
         break;
@@ -417,7 +460,7 @@ static jp_angle heading_ahead(const struct jp_navigator *navigator, const struct
     }
     return internal->goal.headings == JP_ANY_HEADING
                ? place->heading
-               : lattice->heading[nearest_heading(lattice, internal->goal.headings, place->heading)];
+               : lattice->heading[jp_frame_nearest_heading(lattice, internal->goal.headings, place->heading)];
 }
 
 /** What a robot does that looks where it shall. */
@@ -636,6 +679,17 @@ enum jp_status jp_navigator_init(struct jp_navigator *navigator, const struct jp
     return jp_course_init(&navigator->internal.course, &course, field);
 }
 
+enum jp_status jp_navigator_go_along(struct jp_navigator *navigator, const struct jp_goal *goal,
+                                     const struct jp_pose_field *field)
+{
+    const enum jp_status status = jp_navigator_go(navigator, goal);
+
+    if (status == JP_OK) {
+        navigator->internal.field = field;
+    }
+    return status;
+}
+
 enum jp_status jp_navigator_go(struct jp_navigator *navigator, const struct jp_goal *goal)
 {
     if (navigator == NULL || goal == NULL) {
@@ -649,6 +703,7 @@ enum jp_status jp_navigator_go(struct jp_navigator *navigator, const struct jp_g
         navigator->replans = 0;
         navigator->status = JP_OK;
         navigator->internal.goal = *goal;
+        navigator->internal.field = NULL;
         enter(navigator, phase == JP_VEHICLE_STANDING ? JP_NAVIGATOR_PLANNING : JP_NAVIGATOR_BRAKING,
               JP_NAVIGATOR_NO_REASON);
     }

@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "src/base/integer.h"
+
 static struct jp_point rotated(struct jp_point point, jp_angle angle)
 {
     const jp_q31 cosine = jp_cos(angle);
@@ -119,4 +121,19 @@ struct jp_point jp_frame_left_of_leg(const struct jp_navigator *navigator, unsig
     const struct jp_point ahead = {.x = jp_frame_along_leg(navigator, leg, point).x};
 
     return ahead.x < 0 ? sum(*end, rotated(ahead, jp_frame_leg_direction(navigator, leg))) : *end;
+}
+
+uint8_t jp_frame_nearest_heading(const struct jp_lattice *lattice, uint16_t headings, jp_angle heading)
+{
+    uint8_t best = 0;
+    uint32_t least = UINT32_MAX;
+
+    for (uint8_t i = 0; i < JP_HEADINGS; i++) {
+        const uint32_t off = jp_magnitude32((int32_t)(lattice->heading[i] - heading));
+        if ((((uint32_t)headings >> i) & 1U) != 0U && off < least) {
+            least = off;
+            best = i;
+        }
+    }
+    return best;
 }

@@ -9,6 +9,9 @@
 /** The next leg is planned this long before the present one ends: s⁻¹. */
 #define PLAN_LEAD_RATE 5U
 
+/** Of the voltage that motion was designed for, so much must be left. */
+#define LEAST_SHARE 8
+
 /** A robot stands that is slower than this share of its cruising speed. */
 #define STILL_SHARE 10
 
@@ -55,6 +58,31 @@ struct jp_back_emf jp_pilot_back_emf(const struct jp_robot_config *robot, enum j
     return back_emf;
 }
 
+enum jp_status jp_pilot_lack_voltage(struct jp_pilot *pilot, jp_q16 lacking)
+{
+    if (pilot == NULL || lacking < 0) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const jp_q16 designed = jp_robot_configuration(pilot->internal.robot)->trajectory.voltage;
+
+    if (lacking > designed - designed / LEAST_SHARE) {
+        return JP_ERR_INFEASIBLE;
+    }
+    pilot->internal.trajectory.voltage = designed - lacking;
+    return JP_OK;
+}
+
+jp_q24 jp_pilot_cruise_now(const struct jp_pilot *pilot, const struct jp_energy_model *model)
+{
+    const struct jp_robot_config *robot = jp_robot_configuration(pilot->internal.robot);
+    const jp_q24 share = jp_q24_divide(pilot->internal.trajectory.voltage, robot->trajectory.voltage);
+    const jp_q24 most = jp_q24_multiply(robot->limits.speed, share);
+    const jp_q24 cruise = jp_pilot_cruise(robot, model);
+
+    return cruise < most ? cruise : most;
+}
+
 enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_config *config, struct jp_robot *robot,
                              const char **field)
 {
@@ -66,6 +94,7 @@ enum jp_status jp_pilot_init(struct jp_pilot *pilot, const struct jp_pilot_confi
 
     if (status == JP_OK) {
         *pilot = (struct jp_pilot){.config = *config, .internal = {.robot = robot, .model = *config->model}};
+        pilot->internal.trajectory = jp_robot_configuration(robot)->trajectory;
         pilot->internal.back_emf = jp_pilot_back_emf(jp_robot_configuration(robot), config->meter);
         if (config->learning != NULL) {
             jp_learner_start(&pilot->learner, config->learning, config->model, NULL);
@@ -176,11 +205,11 @@ static void begin_at_end(const struct jp_robot *robot, const struct jp_telemetry
 }
 
 /** The speed of least energy; less where legs have no room for it. */
-static jp_q24 cruise_of(const struct jp_pilot_internal *internal, const struct jp_robot_config *robot)
+static jp_q24 cruise_of(const struct jp_pilot *pilot)
 {
-    jp_q24 cruise = jp_pilot_cruise(robot, &internal->model);
+    jp_q24 cruise = jp_pilot_cruise_now(pilot, &pilot->internal.model);
 
-    for (uint8_t i = 0; i < internal->slower; i++) {
+    for (uint8_t i = 0; i < pilot->internal.slower; i++) {
         cruise -= cruise / 4;
     }
     return cruise;
@@ -194,8 +223,8 @@ static struct jp_trajectory_task task_of(const struct jp_pilot *pilot, const str
     const struct jp_pilot_route *route = &internal->route;
     const uint16_t done = pilot->targets_planned;
     struct jp_trajectory_task task = {
-        .config = &robot->trajectory,
-        .cruise = cruise_of(internal, robot),
+        .config = &internal->trajectory,
+        .cruise = cruise_of(pilot),
         .targets = &route->targets[done],
         .passages = route->passages == NULL ? NULL : &route->passages[done],
         .count = (uint16_t)(route->count - done),
@@ -279,7 +308,7 @@ static enum jp_status survey_leg(struct jp_pilot *pilot)
 {
     struct jp_pilot_internal *internal = &pilot->internal;
     struct jp_pilot_survey *survey = &internal->survey;
-    const struct jp_trajectory_config *config = &jp_robot_configuration(internal->robot)->trajectory;
+    const struct jp_trajectory_config *config = &internal->trajectory;
     const enum jp_status status = jp_trajectory_plan_leg(&survey->plan, &survey->leg);
     struct jp_leg_energy energy;
 
@@ -380,7 +409,7 @@ static void describe(struct jp_pilot *pilot, const struct jp_trajectory_leg *leg
 static enum jp_status plan_leg(struct jp_pilot *pilot)
 {
     struct jp_pilot_drive *drive = &pilot->internal.drive;
-    const struct jp_trajectory_config *config = &jp_robot_configuration(pilot->internal.robot)->trajectory;
+    const struct jp_trajectory_config *config = &pilot->internal.trajectory;
     const uint16_t place = drive->trajectory.count % JP_PILOT_PLACES;
     const enum jp_status status = jp_trajectory_plan_leg(&drive->plan, &drive->legs[place]);
 

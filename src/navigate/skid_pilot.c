@@ -7,6 +7,9 @@
 #include "src/navigate/skid_run.h"
 #include "src/trajectory/path_piece.h"
 
+/** Of the speed that the robot was designed for, so much must be left. */
+#define LEAST_SHARE 8
+
 #define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_skid_pilot_config, member, low, high)
 
 static enum jp_status check_own(const struct jp_skid_pilot_config *config, const char **field)
@@ -53,13 +56,36 @@ enum jp_status jp_skid_pilot_init(struct jp_skid_pilot *pilot, const struct jp_s
     const enum jp_status status = check(config, field);
 
     if (status == JP_OK) {
-        *pilot = (struct jp_skid_pilot){.config = *config, .internal = {.robot = robot}};
+        *pilot = (struct jp_skid_pilot){.config = *config, .internal = {.robot = robot, .designed = config->limits}};
         jp_skid_learner_start(&pilot->learner, config->learning, config->model);
     }
     if (status == JP_OK && config->grounds != NULL) {
         jp_skid_grounds_start(pilot->config.grounds, pilot->config.ground_learning, &pilot->learner);
     }
     return status;
+}
+
+/** What volts turn the wheels of a side, m/s. */
+static jp_q24 speed_of(const struct jp_skid_control_config *control, jp_q16 volts)
+{
+    return jp_q24_divide(jp_divide((int64_t)volts * JP_Q24_ONE, control->back_emf), control->turns_per_metre);
+}
+
+enum jp_status jp_skid_pilot_lack_voltage(struct jp_skid_pilot *pilot, jp_q16 lacking)
+{
+    if (pilot == NULL || lacking < 0) {
+        return JP_ERR_ARGUMENT;
+    }
+
+    const struct jp_path_limits *const designed = &pilot->internal.designed;
+    const jp_q24 slower = speed_of(&jp_skid_robot_configuration(pilot->internal.robot)->control, lacking);
+
+    if (slower > designed->speed - designed->speed / LEAST_SHARE) {
+        return JP_ERR_INFEASIBLE;
+    }
+    pilot->config.limits.speed = designed->speed - slower;
+    pilot->config.limits.side_speed = designed->side_speed - slower;
+    return JP_OK;
 }
 
 static struct jp_skid_knowledge known_to(const struct jp_skid_pilot *pilot)

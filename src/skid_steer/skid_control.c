@@ -105,7 +105,7 @@ static JP_INLINE_FOR_SPEED void measure(struct jp_skid_side *side, const struct 
 
     side->encoder = encoder;
     side->rolled = rolled;
-    side->untracked = (jp_phase)error - (jp_phase)((error >> 16) * config->tracking_gain);
+    side->untracked = (jp_phase)error - (jp_phase)(error >> 16) * (uint32_t)config->tracking_gain;
     side->rate = jp_add(side->rate, jp_q16_multiply(jp_round_shift(error, 32), config->tracking_rate_gain));
 }
 
@@ -156,7 +156,7 @@ static JP_INLINE_FOR_SPEED void follow_side(struct jp_skid_side *side, const str
 
     side->rate = jp_add(side->rate, jp_sub(reference, side->reference));
     side->reference = reference;
-    side->load = drives ? load : jp_multiply_shift(load, config->braking, 24);
+    side->load = drives ? load : jp_share(load, config->braking, 24);
 }
 
 /** References and loads of both sides. */
@@ -183,7 +183,7 @@ static JP_INLINE_FOR_SPEED jp_phase limited_behind(jp_phase behind, jp_q24 limit
 {
     const jp_q24 turns = jp_phase_difference(behind, 0);
 
-    return turns > limit || turns < -limit ? (jp_phase)(int64_t)jp_clamp32(turns, -limit, limit) << 32 : behind;
+    return jp_is_beyond(turns, limit) ? (jp_phase)(int64_t)jp_clamp32(turns, -limit, limit) << 32 : behind;
 }
 
 /** V of one side; true: a limit changed it. */
@@ -195,19 +195,20 @@ static JP_INLINE_FOR_SPEED bool set_voltage(struct jp_skid_side *side, const str
     const int64_t sum = jp_multiply(config->back_emf, side->reference) +
                         jp_multiply(config->proportional, jp_sub(side->reference, side->rate)) +
                         jp_multiply(config->integral, jp_phase_difference(behind, 0)) +
-                        jp_multiply(config->resistance, side->load) * 256; /* Q40 */
+                        jp_multiply(config->resistance * 256, side->load); /* Q40 */
     const jp_q16 wanted = jp_saturate32((sum + JP_Q24_ONE / 2) >> 24);
     const jp_q16 back_emf = jp_multiply_shift(config->back_emf, side->rate, 24);
     const jp_q16 low = jp_sub(back_emf, control->current_voltage);
     const jp_q16 high = jp_add(back_emf, control->current_voltage);
     const jp_q16 given = jp_clamp32(jp_clamp32(wanted, low, high), -limit, limit);
-    const bool winds_up = ((int64_t)gained > 0 && wanted > given) || ((int64_t)gained < 0 && wanted < given);
+    const bool is_limited = wanted != given;
+    const bool winds_up = is_limited && ((int64_t)gained < 0) == (wanted < given);
 
     if (!winds_up) {
         side->behind = behind;
     }
     *voltage = given;
-    return wanted != given;
+    return is_limited;
 }
 
 void jp_skid_control_update(struct jp_skid_control *control, const struct jp_skid_control_config *config,
@@ -221,8 +222,8 @@ void jp_skid_control_update(struct jp_skid_control *control, const struct jp_ski
     voltages->saturated = left_limited || right_limited;
 }
 
-static jp_q16 expected_voltage(const struct jp_skid_side *side, const struct jp_skid_control_config *config,
-                               jp_q16 limit)
+static JP_INLINE_FOR_SPEED jp_q16 expected_voltage(const struct jp_skid_side *side,
+                                                   const struct jp_skid_control_config *config, jp_q16 limit)
 {
     const jp_q16 voltage = jp_add(jp_multiply_shift(config->back_emf, side->reference, 24),
                                   jp_q16_multiply(config->resistance, side->load));

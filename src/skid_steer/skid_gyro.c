@@ -1,4 +1,5 @@
 #include "src/skid_steer/skid_gyro.h"
+#include "src/base/compiler.h"
 
 #include "src/base/reciprocal.h"
 #include "src/skid_steer/skid_arithmetic.h"
@@ -17,9 +18,8 @@
 /* Least r that is believed, Q30. */
 #define RATIO_MIN (JP_SKID_ONE / 16)
 
-/* What ratio and scale are corrected by at most. */
-#define RATIO_GROWTH_MAX JP_Q24(0.0625)
-#define SCALE_ERROR_MAX  (JP_SKID_ONE / 4)
+/* What the scale is corrected by at most. */
+#define SCALE_ERROR_MAX (JP_SKID_ONE / 4)
 
 /* ---- Start ---- */
 
@@ -74,26 +74,15 @@ static int64_t noise_of(const struct jp_skid_gyro *gyro, const struct jp_skid_st
     return gyro->gyro_variance + counting + (jp_absolute64(way) >> 16) + jp_absolute64(turn);
 }
 
-/* The turn by the wheels: a robot that is pushed aside skids less, so its ratio grows. */
-static int32_t turn_by_wheels(const struct jp_skid_odometry_config *config, const struct jp_skid_slip *slip,
-                              const struct jp_skid_step *step)
-{
-    const int32_t aside = jp_sub(jp_skid_part(slip->across, slip->across), jp_skid_part(slip->along, slip->along));
-    const int32_t growth = jp_clamp32(jp_skid_part(aside, config->ratio_growth), -RATIO_GROWTH_MAX, RATIO_GROWTH_MAX);
-
-    return jp_add(step->wheel_turn, jp_skid_part(step->wheel_turn, growth));
-}
-
 /* Q30 · Q24; the result is part of a variance. */
-static int32_t reduction(int32_t gain, int64_t covariance)
+static JP_INLINE_FOR_SPEED int32_t reduction(int32_t gain, int64_t covariance)
 {
     return jp_saturate32((gain * (covariance >> 8)) >> 16);
 }
 
-void jp_skid_gyro_learn(struct jp_skid_gyro *gyro, const struct jp_skid_odometry_config *config,
-                        const struct jp_skid_slip *slip, const struct jp_skid_step *step, bool is_moving)
+void jp_skid_gyro_learn(struct jp_skid_gyro *gyro, const struct jp_skid_step *step, bool is_moving)
 {
-    const int32_t turn = turn_by_wheels(config, slip, step);
+    const int32_t turn = step->pushed_turn;
     const int32_t expected = jp_add(gyro->bias >> 8, jp_multiply_shift(turn, gyro->ratio, 30));
     const int32_t surprise = jp_sub(step->gyro_turn, expected);
     const int32_t weighted = jp_skid_part(turn, gyro->ratio_weight);
@@ -124,7 +113,7 @@ jp_q24 jp_skid_gyro_rescale(struct jp_skid_gyro *gyro, const struct jp_skid_odom
     const int32_t relative = jp_skid_part(gyro->ratio - config->ratio * 64, gyro->ratio_reciprocal);
     const int32_t error =
         jp_clamp32(jp_multiply_shift(relative, gyro->scale_share, 30), -SCALE_ERROR_MAX, SCALE_ERROR_MAX);
-    const int32_t scale = JP_SKID_ONE - error + jp_multiply_shift(error, error, 30);
+    const int32_t scale = JP_SKID_ONE - error + jp_share(error, error, 30);
 
     gyro->scale_change = scale - gyro->scale;
     gyro->scale = scale;

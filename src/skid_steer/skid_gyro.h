@@ -7,10 +7,9 @@
 
 void jp_skid_gyro_start(struct jp_skid_gyro *gyro, const struct jp_skid_odometry_config *config);
 
-/** Learns bias and ratio from what the gyro shows beside the wheels; `slip` is that of the step. Constant time; for the
- *  control ISR, as what follows. */
-void jp_skid_gyro_learn(struct jp_skid_gyro *gyro, const struct jp_skid_odometry_config *config,
-                        const struct jp_skid_slip *slip, const struct jp_skid_step *step, bool is_moving);
+/** Learns bias and ratio from what the gyro shows beside the wheels. Constant time; for the control ISR, as what
+ *  follows. */
+void jp_skid_gyro_learn(struct jp_skid_gyro *gyro, const struct jp_skid_step *step, bool is_moving);
 
 /** The part of r that is the gyro's becomes its scale; returns what is left, ρ. */
 jp_q24 jp_skid_gyro_rescale(struct jp_skid_gyro *gyro, const struct jp_skid_odometry_config *config);

@@ -1,5 +1,6 @@
 #include <joulepath/skid_monitor.h>
 
+#include "src/base/compiler.h"
 #include "src/base/config_check.h"
 #include "src/base/in_a_row.h"
 #include "src/base/integer.h"
@@ -35,23 +36,22 @@ void jp_skid_monitor_start(struct jp_skid_monitor *monitor, jp_q24 tilt_limit)
     *monitor = (struct jp_skid_monitor){.steepest = jp_sin((jp_angle)tilt_limit << 8) >> 7};
 }
 
-static int32_t smoothed(int32_t past, int32_t now, jp_q31 share)
+static JP_INLINE_FOR_SPEED int32_t smoothed(int32_t past, int32_t now, jp_q31 share)
 {
-    return jp_add(past, jp_q31_multiply(jp_sub(now, past), share));
+    return jp_add(past, jp_share(jp_sub(now, past), share, 31));
 }
 
 /* The ground. */
 
 bool jp_skid_monitor_is_steep(const struct jp_skid_monitor *monitor, const struct jp_skid_monitor_config *config)
 {
-    return !monitor->started || monitor->rise > monitor->steepest || monitor->rise < -monitor->steepest ||
-           monitor->upright < config->upright;
+    return !monitor->started || jp_is_beyond(monitor->rise, monitor->steepest) || monitor->upright < config->upright;
 }
 
 uint16_t jp_skid_monitor_ground(struct jp_skid_monitor *monitor, const struct jp_skid_monitor_config *config,
                                 const struct jp_sensors *sensors, jp_q24 acceleration)
 {
-    const jp_q24 rise = jp_sub(sensors->accel_x, jp_q24_multiply(acceleration, G_PER_ACCELERATION));
+    const jp_q24 rise = jp_sub(sensors->accel_x, jp_share(acceleration, G_PER_ACCELERATION, 24));
 
     monitor->rise = monitor->started ? smoothed(monitor->rise, rise, config->smoothing) : rise;
     monitor->upright =

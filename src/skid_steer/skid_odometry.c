@@ -146,7 +146,7 @@ static void take_step(struct jp_skid_odometry *odometry, const struct jp_skid_od
     take_counts(odometry, sensors);
     step->gyro_turn = jp_round_shift((int64_t)odometry->internal.yaw_angle, 24);
     step->gyro_pitch = jp_round_shift((int64_t)odometry->internal.pitch_angle, 24);
-    step->force = jp_multiply_shift(odometry->internal.accel_sum, odometry->internal.mean_share, 31);
+    step->force = jp_share(odometry->internal.accel_sum, odometry->internal.mean_share, 31);
     odometry->internal.yaw_angle = 0;
     odometry->internal.pitch_angle = 0;
     odometry->internal.accel_sum = 0;
@@ -223,8 +223,7 @@ static void work(struct jp_skid_odometry *odometry, const struct jp_skid_odometr
         odometry->internal.next = JP_SKID_FILTER_HEADING;
         break;
     case JP_SKID_FILTER_HEADING:
-        jp_skid_gyro_learn(&odometry->internal.gyro, config, &odometry->internal.slip, step,
-                           odometry->internal.is_moving);
+        jp_skid_gyro_learn(&odometry->internal.gyro, step, odometry->internal.is_moving);
         odometry->internal.next = JP_SKID_CORRECT_POSE;
         break;
     case JP_SKID_CORRECT_POSE:
@@ -280,8 +279,8 @@ void jp_skid_odometry_now(const struct jp_skid_odometry *odometry, const struct 
     const int64_t way = jp_multiply(odometry->internal.step.forward, odometry->internal.mean_share) * ticks;
     const int32_t ahead = jp_saturate32(way >> 47); /* m, Q16 */
 
-    position->x = jp_add(jp_saturate32(odometry->x >> 16), jp_multiply_shift(ahead, jp_cos(middle), 31));
-    position->y = jp_add(jp_saturate32(odometry->y >> 16), jp_multiply_shift(ahead, jp_sin(middle), 31));
+    position->x = jp_add(jp_saturate32(odometry->x >> 16), jp_share(ahead, jp_cos(middle), 31));
+    position->y = jp_add(jp_saturate32(odometry->y >> 16), jp_share(ahead, jp_sin(middle), 31));
     *heading = jp_phase_angle(odometry->heading + (jp_phase)turned);
 }
 

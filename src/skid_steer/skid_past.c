@@ -1,4 +1,5 @@
 #include "src/skid_steer/skid_past.h"
+#include "src/base/compiler.h"
 
 #include "src/skid_steer/skid_arithmetic.h"
 
@@ -13,7 +14,7 @@ int64_t jp_skid_past_error(int32_t sensitivity, int32_t change, unsigned shift)
     return jp_multiply(jp_multiply_shift(sensitivity, change, shift), TWO_PI_Q16) >> 8;
 }
 
-static int64_t correction(int32_t of_bias, int32_t of_scale, const struct jp_skid_gyro *gyro)
+static JP_INLINE_FOR_SPEED int64_t correction(int32_t of_bias, int32_t of_scale, const struct jp_skid_gyro *gyro)
 {
     return jp_skid_past_error(of_bias, gyro->bias_change, JP_SKID_BIAS_BITS) +
            jp_skid_past_error(of_scale, gyro->scale_change, JP_SKID_SCALE_BITS);

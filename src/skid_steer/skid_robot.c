@@ -236,7 +236,7 @@ static void drive(struct jp_skid_robot_internal *robot, unsigned faults)
 
 /* The tick: control. */
 
-static int32_t limited_motion(int32_t rate)
+static JP_INLINE_FOR_SPEED int32_t limited_motion(int32_t rate)
 {
     return jp_clamp32(rate, -MOTION_MAX, MOTION_MAX);
 }
@@ -268,10 +268,10 @@ static jp_q24 tread_speed(const struct jp_skid_robot_internal *robot, jp_q24 ris
 {
     const struct jp_skid_odometry_config *config = &robot->config->odometry;
     const struct jp_motion *reference = &robot->reference;
-    const jp_q24 yielding = jp_add(jp_q24_multiply(jp_absolute32(reference->speed), config->creep),
+    const jp_q24 yielding = jp_add(jp_share(jp_absolute32(reference->speed), config->creep, 24),
                                    jp_q24_multiply(jp_absolute32(reference->turn_rate), config->turn_creep_along));
 
-    return jp_add(reference->speed, jp_q24_multiply(yielding, rise));
+    return jp_add(reference->speed, jp_share(yielding, rise, 24));
 }
 
 /** The reference's tick on a path: its errors are corrected there. */
@@ -329,8 +329,10 @@ static void guide(struct jp_skid_robot_internal *robot, struct jp_skid_set_point
 
 static void set_duties(const struct jp_skid_robot_internal *robot, struct jp_actuation *actuation)
 {
-    actuation->duty_left = jp_duty(robot->voltages.left, robot->bus_voltage);
-    actuation->duty_right = jp_duty(robot->voltages.right, robot->bus_voltage);
+    const struct jp_bus bus = jp_bus_of(robot->bus_voltage);
+
+    actuation->duty_left = jp_duty(robot->voltages.left, &bus);
+    actuation->duty_right = jp_duty(robot->voltages.right, &bus);
 }
 
 static void control_wheels(struct jp_skid_robot_internal *robot, struct jp_actuation *actuation)

@@ -1,5 +1,6 @@
 #include <joulepath/skid_steer.h>
 
+#include "src/base/compiler.h"
 #include "src/base/config_check.h"
 #include "src/base/integer.h"
 
@@ -55,7 +56,7 @@ static int32_t sign(int32_t x)
 }
 
 /* x / 2^shift to nearest, ties away from zero: backwards costs what forwards does. */
-static int64_t rounded(int64_t x, unsigned shift)
+static JP_INLINE_FOR_SPEED int64_t rounded(int64_t x, unsigned shift)
 {
     const int64_t size = (jp_absolute64(x) + ((int64_t)1 << (shift - 1))) >> shift;
 
@@ -63,7 +64,7 @@ static int64_t rounded(int64_t x, unsigned shift)
 }
 
 /* x / divisor to nearest; divisor > 0. */
-static int64_t divided(int64_t x, int64_t divisor)
+static JP_INLINE_FOR_SPEED int64_t divided(int64_t x, int64_t divisor)
 {
     return (x < 0 ? x - divisor / 2 : x + divisor / 2) / divisor;
 }

@@ -1,4 +1,5 @@
 #include "src/skid_steer/skid_tilt.h"
+#include "src/base/compiler.h"
 
 #include "src/base/reciprocal.h"
 #include "src/skid_steer/skid_arithmetic.h"
@@ -35,11 +36,11 @@ void jp_skid_tilt_start(struct jp_skid_tilt *tilt, const struct jp_skid_odometry
 /* x without the share that is forgotten, Q30. */
 static int32_t faded(int32_t x, int32_t fading)
 {
-    return x - jp_multiply_shift(x, fading, 30);
+    return x - jp_share(x, fading, 30);
 }
 
 /* A part of one grade goes to the other. */
-static void shear(struct jp_skid_tilt *tilt, unsigned from, int32_t turn)
+static JP_INLINE_FOR_SPEED void shear(struct jp_skid_tilt *tilt, unsigned from, int32_t turn)
 {
     const unsigned to = (unsigned)LEFT - from;
     const int32_t covariance = jp_add(tilt->grade_covariance, jp_skid_part(tilt->variance[from], turn));

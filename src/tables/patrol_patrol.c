@@ -15,9 +15,9 @@ const struct jp_patrol_config jp_patrol_config_patrol = {
         {
             .speed_max = 1.0f,         /* m/s */
             .reverse_max = 0.3f,       /* m/s */
-            .turn_rate_max = 1.2f,     /* rad/s */
-            .acceleration = 0.6f,      /* m/s² */
-            .turn_acceleration = 2.0f, /* rad/s² */
+            .turn_rate_max = 1.5f,     /* rad/s */
+            .acceleration = 0.8f,      /* m/s² */
+            .turn_acceleration = 3.0f, /* rad/s² */
             .radius_min = 0.5f,        /* m */
             .footprint =
                 {
@@ -40,8 +40,9 @@ const struct jp_patrol_config jp_patrol_config_patrol = {
                     .turn_acceleration = 2.0f,  /* s⁴/rad² */
                     .obstacle = 500.0f,         /* 1/m² */
                     .path = 2.0f,               /* 1/m² */
-                    .time = 0.2f,               /* 1/s² */
-                    .slowness = 2.0f,           /* 1/s² */
+                    .second = 1.05f,            /* 1/s */
+                    .metre = 0.24831563f,       /* 1/m */
+                    .drag = 0.15f,              /* s/m² */
                     .no_reversing = 1000.0f,    /* s²/m² */
                     .wheel_odometry = 1000.0f,  /* 1/m² */
                     .laser_odometry = 10000.0f, /* 1/m² */
@@ -67,7 +68,7 @@ const struct jp_patrol_config jp_patrol_config_patrol = {
             .clearance = 0.3f,    /* m */
             .braking = 1.0f,      /* m/s² */
             .acceleration = 2.0f, /* m/s² */
-            .rest = 1.0f,         /* s */
+            .rest = 1.3f,         /* s */
             .stays = 6.0f,        /* s */
         },
     .turns_in_place = true,
@@ -76,12 +77,13 @@ const struct jp_patrol_config jp_patrol_config_patrol = {
         {
             .second = 35.0f,       /* W */
             .turning = 2.7564402f, /* J/rad */
-            .steering = 21.0f,     /* J/rad */
+            .steering = 9.333333f, /* J/rad */
         },
     .glide_clearance = 0.12f,          /* m */
     .turn_first = 0.5235988f,          /* rad */
     .turn_rate = 1.0f,                 /* rad/s */
     .turn_acceleration = 1.5f,         /* rad/s² */
+    .steering_rate = 3.0f,             /* rad/s */
     .turn_clearance = 0.0f,            /* m */
     .step_speed = 0.2f,                /* m/s */
     .horizon = 3.5f,                   /* m */

@@ -4,22 +4,22 @@
 #include <joulepath/skid_energy.h>
 
 const struct jp_skid_energy_model jp_skid_energy_burger = {
-    .half_track = 1318340,       /* 0.07857919 m */
+    .half_track = 1318784,       /* 0.07860564 m */
     .weight = 642689,            /* 9.80665 N */
-    .rolling = 2289585,          /* 0.1364699 */
+    .rolling = 2289534,          /* 0.1364669 */
     .friction = 13421773,        /* 0.8 */
-    .turning = 61261,            /* 0.00365145 */
-    .yielding = 234370372,       /* 13.96956 1/m */
-    .scrub = 411013,             /* 0.02449828 m */
+    .turning = 60283,            /* 0.00359314 */
+    .yielding = 233965473,       /* 13.94543 1/m */
+    .scrub = 411514,             /* 0.02452813 m */
     .easing = 67108864,          /* 4 */
-    .bank_easing = 67108862,     /* 4 */
+    .bank_easing = 67108864,     /* 4 */
     .tilting = 0,                /* 0 */
     .inertia = 12273497,         /* 0.7315574 s²/m */
     .turn_inertia = 449667,      /* 0.02680223 s² */
-    .driving = 32195457,         /* 1.918999 */
-    .braking = 7277978,          /* 0.4338013 */
-    .copper_driving = 50681,     /* 0.7733298 W */
-    .copper_braking = 73549,     /* 1.122267 W */
-    .electronics_power = 491672, /* 7.502326 W */
+    .driving = 32195863,         /* 1.919023 */
+    .braking = 7277689,          /* 0.4337841 */
+    .copper_driving = 50678,     /* 0.7732906 W */
+    .copper_braking = 73265,     /* 1.117929 W */
+    .electronics_power = 491673, /* 7.502335 W */
     .unit_exponent = 1,          /* energies are in units of 2 J */
 };

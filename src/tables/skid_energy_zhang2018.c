@@ -4,22 +4,22 @@
 #include <joulepath/skid_energy.h>
 
 const struct jp_skid_energy_model jp_skid_energy_zhang2018 = {
-    .half_track = 9035307,       /* 0.5385463 m */
+    .half_track = 9035302,       /* 0.538546 m */
     .weight = 59127353,          /* 902.2118 N */
-    .rolling = 690490,           /* 0.04115644 */
+    .rolling = 690491,           /* 0.04115645 */
     .friction = 11576279,        /* 0.69 */
-    .turning = 4736550,          /* 0.2823204 */
-    .yielding = 4391054,         /* 0.2617272 1/m */
-    .scrub = 5345995,            /* 0.3186462 m */
-    .easing = 25076237,          /* 1.49466 */
-    .bank_easing = 38087063,     /* 2.270166 */
-    .tilting = 11416014,         /* 0.6804475 */
+    .turning = 4736552,          /* 0.2823205 */
+    .yielding = 4391062,         /* 0.2617277 1/m */
+    .scrub = 5345981,            /* 0.3186453 m */
+    .easing = 25076249,          /* 1.494661 */
+    .bank_easing = 38087058,     /* 2.270166 */
+    .tilting = 11416007,         /* 0.680447 */
     .inertia = 2423608,          /* 0.1444583 s²/m */
     .turn_inertia = 549355,      /* 0.0327441 s² */
-    .driving = 22001187,         /* 1.311373 */
-    .braking = 3886629,          /* 0.2316611 */
-    .copper_driving = 34379952,  /* 524.5964 W */
-    .copper_braking = 11223576,  /* 171.2582 W */
-    .electronics_power = 665716, /* 10.15803 W */
+    .driving = 22001186,         /* 1.311373 */
+    .braking = 3886631,          /* 0.2316612 */
+    .copper_driving = 34379997,  /* 524.5971 W */
+    .copper_braking = 11223627,  /* 171.259 W */
+    .electronics_power = 665716, /* 10.15802 W */
     .unit_exponent = 4,          /* energies are in units of 16 J */
 };

@@ -14,11 +14,11 @@ const struct jp_skid_learning jp_skid_learning_zhang2018 = {
                     10011, /* 0.1527525 of the weight */
                     7567,  /* 0.1154701 of the electronics */
                 },
-            .noise_relative = 707,   /* 0.01078178 of the energy */
-            .noise = 14103,          /* 3.443107 J */
-            .spread = 97644,         /* 1.48993 of single legs beyond their noise */
+            .noise_relative = 707,   /* 0.01078175 of the energy */
+            .noise = 14103,          /* 3.443097 J */
+            .spread = 97644,         /* 1.489932 of single legs beyond their noise */
             .memory = 64U,           /* legs */
             .identity = 2788776440U, /* of the numbers above */
         },
-    .noise_slopes = 4976, /* 0.07592121 of the work of slopes */
+    .noise_slopes = 4976, /* 0.07592103 of the work of slopes */
 };

@@ -1,6 +1,7 @@
 /* What the patrol takes beside plain path following: energy and time of the improved band over those of pure pursuit on
- * the same scenes, where pure pursuit arrives, and in which states the patrol takes them. The figures are of seeds that
- * no part of the robot was designed on. Prints figures as JSON; a table of states on stderr.
+ * the same scenes, where pure pursuit arrives. The figures are of seeds that no part of the robot was designed on.
+ * Prints figures as JSON; on stderr, where both take time and energy: by states, of the energy the part of electronics,
+ * and of the time that at a stand.
  *
  * bench_joules [--seed FIRST] [--count N]
  * --count is the number of drives a scene. */
@@ -20,13 +21,24 @@
 
 enum { DRIVES_MAX = 400, STATES = JP_PATROL_STOPPED + 1 };
 
-/* How a drive went, and what each state of it took. */
+/* Slower than this the robot stands, m/s and rad/s. */
+#define STANDING 0.03
+
+/* What a state took. */
+struct share {
+    double seconds;
+    double standing; /* of them */
+    double joules;
+    double metres;
+};
+
+/* How a drive went. */
 struct drive {
     struct patrol_result result;
-    double seconds[STATES];
-    double joules[STATES];
+    struct share shares[STATES];
     double time; /* of the last cycle */
     double energy;
+    struct jp_plane_pose pose;
 };
 
 struct pair {
@@ -51,11 +63,21 @@ static struct options options = {.seed = 1101, .count = DRIVES_MAX};
 static void note(void *context, const struct patrol_view *view)
 {
     struct drive *drive = context;
+    struct share *const share = &drive->shares[view->state];
+    const double seconds = view->time - drive->time;
+    const bool is_standing =
+        fabs((double)view->true_speed.forward) < STANDING && fabs((double)view->true_speed.turn_rate) < STANDING;
 
-    drive->seconds[view->state] += view->time - drive->time;
-    drive->joules[view->state] += view->energy_j - drive->energy;
+    if (view->time > 0) {
+        share->seconds += seconds;
+        share->standing += is_standing ? seconds : 0;
+        share->joules += view->energy_j - drive->energy;
+        share->metres +=
+            hypot((double)(view->true_pose.x - drive->pose.x), (double)(view->true_pose.y - drive->pose.y));
+    }
     drive->time = view->time;
     drive->energy = view->energy_j;
+    drive->pose = view->true_pose;
 }
 
 static void run(const struct four_wheel_file *robot, const struct patrol_scene *scene, enum patrol_method method,
@@ -99,11 +121,19 @@ struct summary {
     double energy; /* of the ratios */
     double time;
     double length;
-    double pursuit_seconds;
-    double pursuit_joules;
-    double seconds[STATES];
-    double joules[STATES];
+    struct share band[STATES];
+    struct share pursuit[STATES];
 };
+
+static void add_shares(struct share sums[STATES], const struct drive *drive)
+{
+    for (size_t i = 0; i < STATES; i++) {
+        sums[i].seconds += drive->shares[i].seconds;
+        sums[i].standing += drive->shares[i].standing;
+        sums[i].joules += drive->shares[i].joules;
+        sums[i].metres += drive->shares[i].metres;
+    }
+}
 
 static void add_pair(struct summary *summary, const struct pair *pair)
 {
@@ -121,27 +151,35 @@ static void add_pair(struct summary *summary, const struct pair *pair)
     summary->energy += band->energy_j / pursuit->energy_j;
     summary->time += band->time / pursuit->time;
     summary->length += band->length / pursuit->length;
-    summary->pursuit_seconds += pursuit->time;
-    summary->pursuit_joules += pursuit->energy_j;
+    add_shares(summary->band, &pair->band);
+    add_shares(summary->pursuit, &pair->pursuit);
+}
+
+/* Of a pair. */
+static void print_shares(const char *name, const struct share shares[STATES], double pairs, double electronics_w)
+{
     for (size_t i = 0; i < STATES; i++) {
-        summary->seconds[i] += pair->band.seconds[i];
-        summary->joules[i] += pair->band.joules[i];
+        const struct share *const share = &shares[i];
+
+        if (share->seconds > 0) {
+            const double electronics = electronics_w * share->seconds;
+
+            (void)fprintf(
+                stderr, "    %-8s %-9s %6.2f s (%5.2f s stand) %7.1f J = %6.1f J electronics + %6.1f J; %5.2f m\n",
+                name, patrol_state_names[i], share->seconds / pairs, share->standing / pairs, share->joules / pairs,
+                electronics / pairs, (share->joules - electronics) / pairs, share->metres / pairs);
+        }
     }
 }
 
-static void print_summary(const char *name, const struct summary *summary)
+static void print_summary(const char *name, const struct summary *summary, double electronics_w)
 {
     const double pairs = summary->pairs;
 
-    (void)fprintf(stderr, "%s: %.0f pairs, %.0f failed; energy %.3f, time %.3f, way %.3f; pursuit %.2f s %.1f J\n",
-                  name, pairs, summary->failed, summary->energy / pairs, summary->time / pairs, summary->length / pairs,
-                  summary->pursuit_seconds / pairs, summary->pursuit_joules / pairs);
-    for (size_t i = 0; i < STATES; i++) {
-        if (summary->seconds[i] > 0) {
-            (void)fprintf(stderr, "    %-9s %6.2f s %7.1f J\n", patrol_state_names[i], summary->seconds[i] / pairs,
-                          summary->joules[i] / pairs);
-        }
-    }
+    (void)fprintf(stderr, "%s: %.0f pairs, %.0f failed; energy %.3f, time %.3f, way %.3f\n", name, pairs,
+                  summary->failed, summary->energy / pairs, summary->time / pairs, summary->length / pairs);
+    print_shares(patrol_method_names[PATROL_IMPROVED], summary->band, pairs, electronics_w);
+    print_shares(patrol_method_names[PATROL_PURSUIT], summary->pursuit, pairs, electronics_w);
 }
 
 static void add_figures(json_t *figures, const char *name, const struct summary *summary, bool has_bars)
@@ -206,10 +244,10 @@ int main(int argc, char **argv)
             add_pair(&summary, &campaign.pairs[kind][i]);
             add_pair(&all, &campaign.pairs[kind][i]);
         }
-        print_summary(patrol_scene_names[kind], &summary);
+        print_summary(patrol_scene_names[kind], &summary, campaign.robot.electronics.power_w);
         add_figures(figures, patrol_scene_names[kind], &summary, false);
     }
-    print_summary("all scenes", &all);
+    print_summary("all scenes", &all, campaign.robot.electronics.power_w);
     add_figures(figures, "all scenes", &all, true);
     figures_print(figures);
     return 0;

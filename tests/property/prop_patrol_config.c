@@ -18,6 +18,7 @@
 #include "unity.h"
 
 #define ROBOT   "sim/robots/patrol.cfg"
+#define SPEEDS  200 /* that are tried */
 #define DEGREES (180 / 3.14159265358979323846)
 
 static struct options options = {.count = 2000, .seed = 1};
@@ -92,7 +93,6 @@ static const struct link patrol_links[] = {
     {"wheels.steering_step", "steering.rate_rad_s", DEGREES / 360 / FOUR_WHEEL_RATE_HZ},
     {"wheels.speed_max", "drive.speed_m_s", 1},
     {"wheels.speed_step", "drive.acceleration_m_s2", 1.0 / FOUR_WHEEL_RATE_HZ},
-    {"teb.speed_max", "band.speed_m_s", 1},
     {"teb.reverse_max", "band.reverse_m_s", 1},
     {"teb.turn_rate_max", "band.turn_rate_rad_s", 1},
     {"teb.acceleration", "band.acceleration_m_s2", 1},
@@ -114,8 +114,6 @@ static const struct link patrol_links[] = {
     {"teb.weights.turn_acceleration", "weights.turn_acceleration_s4_per_rad2", 1},
     {"teb.weights.obstacle", "weights.obstacle_per_m2", 1},
     {"teb.weights.path", "weights.path_per_m2", 1},
-    {"teb.weights.time", "weights.time_per_s2", 1},
-    {"teb.weights.slowness", "weights.slowness_per_s2", 1},
     {"teb.weights.no_reversing", "weights.no_reversing_s2_per_m2", 1},
     {"teb.weights.wheel_odometry", "weights.wheel_odometry_per_m2", 1},
     {"teb.weights.laser_odometry", "weights.laser_odometry_per_m2", 1},
@@ -137,6 +135,7 @@ static const struct link patrol_links[] = {
     {"turn_first", "turning.from_deg", 1 / DEGREES},
     {"turn_rate", "turning.rate_rad_s", 1},
     {"turn_acceleration", "turning.acceleration_rad_s2", 1},
+    {"steering_rate", "steering.rate_rad_s", 1},
     {"turn_clearance", "turning.clearance_m", 1},
     {"step_speed", "turning.step_m_s", 1},
     {"horizon", "patrol.horizon_m", 1},
@@ -221,6 +220,30 @@ static void check_links(const void *config, const struct patrol_member *members,
     }
 }
 
+/* Of a metre at a steady speed, by the forces on the wheels and the losses of their gears: J, and the price of time. */
+static double metre_cost(double speed)
+{
+    const double drag = 4 * robot.drive.friction_nm_s_per_rad * speed / (robot.wheel.radius_m * robot.wheel.radius_m);
+    const double rolling = robot.tyre.rolling * robot.body.mass_kg * 9.81;
+
+    return (rolling + drag) / robot.drive.efficiency + (robot.electronics.power_w + robot.turning.second_w) / speed;
+}
+
+/* By a search of all speeds that the band may have. The band's weights are those of the same metre. */
+static void check_speed(const struct jp_patrol_config *patrol)
+{
+    const struct jp_teb_weights *const weights = &patrol->teb.weights;
+    const double speed = (double)patrol->teb.speed_max;
+    const double cost = metre_cost(speed);
+    const double by_weights = (double)weights->second / speed + (double)weights->metre + (double)weights->drag * speed;
+
+    TEST_ASSERT_TRUE(speed <= robot.band.speed_m_s * (1 + 1e-6));
+    for (int i = 1; i <= SPEEDS; i++) {
+        TEST_ASSERT_TRUE(cost <= metre_cost(robot.band.speed_m_s * i / SPEEDS) * (1 + 1e-5));
+    }
+    TEST_ASSERT_TRUE(fabs(by_weights - robot.weights.energy_per_j * cost) <= 1e-5 * by_weights);
+}
+
 /* Any number within its range: the conversion of each does not depend on others. */
 static void change_robot(void)
 {
@@ -250,15 +273,17 @@ static void test_each_number_arrives_to_the_last_bit_of_its_format(void)
         check_links(&patrol, patrol_members, patrol_member_count, patrol_links, LENGTH(patrol_links));
         check_links(&pursuit, patrol_pursuit_members, patrol_pursuit_member_count, pursuit_links,
                     LENGTH(pursuit_links));
+        check_speed(&patrol);
         TEST_ASSERT_TRUE(fabs(curvature - 1 / robot.steering.radius_min_m) < 1e-7);
         TEST_ASSERT_TRUE(patrol.turns_in_place && patrol.period == 1.0f / PATROL_CYCLE_HZ);
     }
 }
 
-/* What is left is turns_in_place, the strategy, three prices, period and the curvature. */
+/* What is left is turns_in_place, the strategy, three prices and as many weights of them, the speed, period and the
+ * curvature. */
 static void test_every_member_comes_from_somewhere(void)
 {
-    TEST_ASSERT_EQUAL_UINT(patrol_member_count, LENGTH(patrol_links) + 6);
+    TEST_ASSERT_EQUAL_UINT(patrol_member_count, LENGTH(patrol_links) + 10);
     TEST_ASSERT_EQUAL_UINT(patrol_pursuit_member_count, LENGTH(pursuit_links) + 1);
 }
 
@@ -271,7 +296,7 @@ static void test_prices_are_what_the_file_says(void)
 
     TEST_ASSERT_TRUE(fabs((double)price.second - 35) < 1e-5);
     TEST_ASSERT_TRUE(fabs((double)price.turning - 0.015 * 45 * 9.81 * 0.33302 / 0.8) < 1e-3);
-    TEST_ASSERT_TRUE(fabs((double)price.steering - (4 * (2 + 1.0 / 3) + 35.0 / 3)) < 1e-3);
+    TEST_ASSERT_TRUE(fabs((double)price.steering - 4 * (2 + 1.0 / 3)) < 1e-3);
 }
 
 static void test_the_plain_method_leaves_out_four_things(void)

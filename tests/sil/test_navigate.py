@@ -50,6 +50,38 @@ def test_arrives_and_touches_nothing(hall, tmp_path):
     assert float(rows[-1]["y_m"]) == pytest.approx(4.55, abs=0.1)
 
 
+def drive_home(hall, folder, joules, *options):
+    result = navigate(hall, folder, *TASK, "--hidden=0", f"--battery={joules}", *options)
+    assert (result.returncode, result.stderr) == (0, "")
+    home = summary_of(folder)["home"]
+    assert (home["state"], home["stranded"]) == ("home", False)
+    assert home["given_j"] < joules
+    return home
+
+
+def test_comes_home_from_its_goal_on_a_full_battery(hall, tmp_path):
+    home = drive_home(hall, tmp_path / "out", 5000)
+    assert not home["turned_back"]
+    assert abs(home["given_j"] / home["trip_j"] - 1) < 0.4
+    reach = home["reach_percent"]
+    assert (len(reach), {len(row) for row in reach}) == (60, {100})
+    assert reach[15][15] == reach[45][85] == 100 and reach[0][0] == -1
+
+
+def test_turns_back_on_a_battery_that_does_not_last(hall, tmp_path):
+    full = drive_home(hall, tmp_path / "full", 5000)
+    home = drive_home(hall, tmp_path / "out", round(0.7 * full["given_j"]))
+    assert home["turned_back"]
+    assert home["given_j"] < 0.7 * full["given_j"]
+    assert home["reach_percent"][45][85] < 50 < home["reach_percent"][15][15]
+
+
+def test_a_battery_is_not_for_the_bus(hall, tmp_path):
+    assert_one_line_error(navigate(hall, tmp_path / "out", *TASK, "--battery=500", "--bus=in-process"), "--battery")
+    assert_one_line_error(navigate(hall, tmp_path / "out", *TASK, "--battery=0"), "--battery")
+    assert_one_line_error(navigate(hall, tmp_path / "out", *TASK, "--battery=500", "--home=40"), "--home")
+
+
 def over_hills(path, height, cliff=0.0):
     """Waves of 6 m, and a step across the whole map."""
     elevation = [[round(height * math.sin(x * 0.2 * math.pi / 3) + (cliff if x > 40 else 0), 3) for x in range(80)]
@@ -105,6 +137,17 @@ def test_a_robot_that_its_sides_steer_arrives_over_the_bus(tmp_path):
     drive = summary_of(tmp_path / "out")["result"]
     assert (drive["state"], drive["touched"]) == ("arrived", False)
     assert drive["goal_error_m"] < 0.1
+
+
+def test_over_the_bus_a_rover_is_as_far_from_the_goal_as_its_odometry_says(tmp_path):
+    hall = write_map(tmp_path / "hall.json", room(100, 80, [(48, 36, 4, 44)]), resolution=0.2)
+    task = ["--start=4,4,90", "--goal=16,12", "--hidden=2", "--view=4", "--seed=3"]
+    alone = navigate(hall, tmp_path / "alone", *task, robot=ROVER)
+    over_the_bus = navigate(hall, tmp_path / "bus", *task, "--bus=in-process", robot=ROVER)
+    assert alone.returncode == over_the_bus.returncode == 0, over_the_bus.stderr
+    drive = summary_of(tmp_path / "bus")["result"]
+    assert (drive["state"], drive["touched"]) == ("arrived", False) and drive["cells_seen"] > 0
+    assert drive["goal_error_m"] < 0.1 + 4 * summary_of(tmp_path / "alone")["result"]["deviation_m"]
 
 
 def test_over_the_bus_it_says_what_is_refused_or_unreachable(tmp_path):

@@ -33,6 +33,17 @@ static inline double exact_above(double value, double limit)
     return value > limit ? value - limit : 0.0;
 }
 
+/** By Newton's method, for targets without a library of mathematics; 0 or more. */
+static inline double exact_root(double square)
+{
+    double root = square > 1.0 ? square : 1.0;
+
+    for (unsigned i = 0; i < 64U; i++) {
+        root = 0.5 * (root + square / root);
+    }
+    return root;
+}
+
 static inline double exact_magnitude(double x)
 {
     return x < 0.0 ? -x : x;
@@ -87,12 +98,13 @@ static inline void exact_add_step(struct exact_residuals *residuals, const struc
     exact_add(residuals, weights->speed,
               exact_above(-step->length, (double)config->reverse_max * step->interval) / reference);
     exact_add(residuals, weights->no_reversing, exact_above(-step->length, 0.0) / reference);
-    exact_add(residuals, weights->slowness, exact_above(limit, step->length) / (double)config->speed_max);
     exact_add(residuals, weights->turn_rate,
               exact_above(turn, (double)config->turn_rate_max * step->interval) / reference);
     exact_add(residuals, weights->turn_radius,
               exact_above((double)config->radius_min * turn, exact_magnitude(step->length)) / reference);
-    exact_add(residuals, weights->time, step->interval);
+    exact_add(residuals, weights->second, exact_root(2.0 * step->interval));
+    exact_add(residuals, weights->metre, exact_root(2.0 * exact_root(exact_square(step->length) + 1.0e-4)));
+    exact_add(residuals, weights->drag, step->length * exact_root(2.0 / step->interval));
 }
 
 static inline void exact_add_change(struct exact_residuals *residuals, const struct jp_teb_config *config,

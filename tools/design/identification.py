@@ -16,6 +16,8 @@ from tools.design import c_tables, robot_json
 
 PHASES_MAX = 1000
 
+LEAST_SCALE = 1e-3  # of the most that a parameter may be: what one that starts at 0 is counted in
+
 # Errors of what takes less than this share of the mean count by that: downhill all may come back.
 SMALL_SHARE = 0.1
 
@@ -107,7 +109,7 @@ class Unknowns:
         self._start, self._names = start, names
         low, high = np.array([least.get(name, 0) for name in names], float), np.array([most[name] for name in names], float)
         first = np.clip([getattr(start, name) for name in names], low + 1e-9, high - 1e-9)
-        self._scale = np.maximum(first, 1e-6)
+        self._scale = np.maximum(first, LEAST_SCALE * high)
         self.first, self.low, self.high = first / self._scale, low / self._scale, high / self._scale
 
     def model(self, unknown):

@@ -35,7 +35,7 @@ MOST = {"half_track": 4, "rolling": 0.5, "turning": 4, "yielding": 16, "scrub": 
 
 FITTED_ROBOTS = 20
 USUAL_ERROR = 0.02  # of what a leg takes, for how unlikely the factors of a robot may be
-STEP = 1e-6         # of derivatives
+STEP = 1e-6         # of derivatives, of what an unknown is, or of 1
 
 
 def read_table(path):
@@ -67,6 +67,13 @@ def start_of(numbers):
         electronics_power=numbers["electronics_w"])
 
 
+def derivative(function, unknown, which):
+    """By one unknown, or by several that move together: central, since one side's rounding would end the fit anywhere."""
+    step = np.zeros(unknown.size)
+    step[which] = STEP * max(1, np.abs(unknown[which]).max())
+    return (function(unknown + step) - function(unknown - step)) / (2 * step.max())
+
+
 @dataclass(frozen=True)
 class Fit:
     """Unknown are the parameters of FITTED, and of each robot the coordinates x of skid_learning.py."""
@@ -88,16 +95,13 @@ class Fit:
 
     def jacobian(self, unknown):
         """Robots do not depend on each other: one step moves a factor of all of them."""
-        here = self.errors(unknown)
-        columns = np.zeros((here.size, unknown.size))
+        columns = np.zeros((self.errors(unknown).size, unknown.size))
         for i in range(len(FITTED)):
-            columns[:, i] = (self.errors(unknown + STEP * np.eye(unknown.size)[i]) - here) / STEP
+            columns[:, i] = derivative(self.errors, unknown, i)
         count, legs = self.robots.shape
-        first = here.size - self.robots.measured.size - count * skid_model.FACTORS
+        first = len(columns) - self.robots.measured.size - count * skid_model.FACTORS
         for factor in range(skid_model.FACTORS):
-            moved = unknown.copy()
-            moved[len(FITTED) + factor::skid_model.FACTORS] += STEP
-            change = (self.of_robots(moved) - self.of_robots(unknown)) / STEP
+            change = derivative(self.of_robots, unknown, slice(len(FITTED) + factor, None, skid_model.FACTORS))
             for robot in range(count):
                 column = len(FITTED) + robot * skid_model.FACTORS + factor
                 columns[first + robot * legs:first + (robot + 1) * legs, column] = change[robot]

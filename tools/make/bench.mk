@@ -89,6 +89,12 @@ bench-navigate: ## measure the navigator: 1 000 drives on dense maps with boxes 
 	$(BUILD)/bench/bench_navigate >$(BUILD)/bench/bench_navigate.json
 	$(if $(NAVIGATE_MAPS),$(PYTHON) -m tools.measure.bench_navigate $(NAVIGATE_MAPS))
 
+.PHONY: bench-home
+bench-home: ## measure robots that come home on what is in their battery: trips at the border of the return map, and in use (10 minutes)
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_home
+	$(BUILD)/bench/bench_home >$(BUILD)/bench/bench_home.json
+
 .PHONY: bench-image
 bench-image: ## measure the navigator of the firmware's image: 20 drives in QEMU, 100 in process, a million ticks, memory (35 minutes)
 	@tools/setup.sh sil operate firmware
@@ -207,8 +213,10 @@ bench-skid-bus: ## drive 10 000 random missions of robots that their sides steer
 ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
 
 # Property tests at bench length.
-PROPERTIES := battery fixed four_wheel four_wheel_plant grid_planner horizon planner planner_memory pure_pursuit scan_match segment skid_changes skid_energy skid_odometry skid_plans skid_plant skid_robot store teb
+PROPERTIES := battery battery_filter cells fixed four_wheel four_wheel_plant grid_planner horizon planner planner_memory pure_pursuit scan_match segment skid_changes skid_energy skid_odometry skid_plans skid_plant skid_robot store teb
 ARGS.battery          = --count 100000000
+ARGS.battery_filter   = --count 400 --seed 20261126
+ARGS.cells            = --count 200 --seed 20261126
 ARGS.fixed            = --count 4294967296
 ARGS.four_wheel       = --count 1000000
 ARGS.four_wheel_plant = --count 1000

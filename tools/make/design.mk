@@ -100,6 +100,12 @@ path: ## make limits and steering of a path of ROBOT=name, which its sides steer
 	$(PYTHON) -m tools.design.path_table $(ROBOT)
 	@$(DECLARE)
 
+.PHONY: battery
+battery: ## make the cells of the battery of ROBOT=name from sim/robots/packs/name.cfg: src/tables/battery_name.c
+	@tools/setup.sh design
+	$(PYTHON) -m tools.design.battery $(ROBOT)
+	@$(DECLARE)
+
 PATROL_ROBOT = $(if $(filter file,$(origin ROBOT)),patrol,$(ROBOT))
 
 .PHONY: patrol-config

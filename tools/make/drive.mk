@@ -61,8 +61,9 @@ NAVIGATE.           = $(BUILD)/bin/jp-navigate
 NAVIGATE.in-process = $(BUILD)/bin/jp-navigate --bus in-process --frames
 NAVIGATE.pil        = tools/operate/navigate_in_qemu.sh $(NAVIGATE_ROBOT)
 NAVIGATE_ROBOT = $(if $(filter file,$(origin ROBOT)),courier24,$(ROBOT))
-# A robot for rough ground finds its way over hills, the others in an office. It refuses by itself what is too steep for it.
-NAVIGATE_HILLS = $(filter zhang2018,$(NAVIGATE_ROBOT))
+# A robot for rough ground finds its way over hills, the others in an office; no elevations go over the bus. It refuses by
+# itself what is too steep for it.
+NAVIGATE_HILLS = $(if $(BUS),,$(filter zhang2018,$(NAVIGATE_ROBOT)))
 NAVIGATE_MAP   = $(if $(filter file,$(origin MAP)),$(if $(NAVIGATE_HILLS),jacksboro,sim/scenarios/office.map),$(MAP))
 NAVIGATE_IMPORT = $(if $(filter file,$(origin MAP)),$(if $(NAVIGATE_HILLS),--steep 89,--cell-size 0.2),$(IMPORT))
 NAVIGATE_ALONG  = --start=198,186,-135 --goal=143,131.5 # the fault
@@ -90,6 +91,19 @@ navigate: ## let ROBOT=courier24, burger, zhang2018 or patrol find its way (MAP=
 	    --seed $(SEED) $(NAVIGATE) --output $(BUILD)/navigate; status=$$?; \
 	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.navigate_report $(BUILD)/navigate && exit $$status
 endif
+
+# REACH holds options of jp-navigate, such as --home 95; BATTERY joules are in the battery.
+BATTERY = $(if $(NAVIGATE_HILLS),9000,400)
+
+.PHONY: reach
+reach: ## let ROBOT=courier24, burger or zhang2018 drive to a goal and home on BATTERY joules (MAP=file START=x,y,deg GOAL=x,y SEED=1 REACH=options), and draw from where it comes home: picture in build/reach
+	@tools/setup.sh design
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-navigate
+	@rm -rf $(BUILD)/reach
+	$(PYTHON) -m tools.design.import_map $(NAVIGATE_MAP) $(BUILD)/reach/map.json --resolution $(or $(NAVIGATE_CELL),0.1) $(NAVIGATE_IMPORT)
+	$(BUILD)/bin/jp-navigate $(BUILD)/reach/map.json --robot sim/robots/$(NAVIGATE_ROBOT).cfg $(NAVIGATE_TASK) \
+	    --seed $(SEED) --battery $(BATTERY) $(REACH) --output $(BUILD)/reach; status=$$?; \
+	    [ $$status -le 1 ] && $(PYTHON) -m tools.report.reach_picture $(BUILD)/reach && exit $$status
 
 # A yard whose mud takes 2.5 times the rolling resistance, or a map of others with IMPORT, START and GOAL. GROUNDS holds
 # options of jp-grounds, such as --trips 10.

@@ -6,7 +6,7 @@ define firmware_rules
 $(BUILD)/firmware/$1/%.o: hal/stm32f4/%.c tools/make/variants.mk $(SETTINGS)
 	@mkdir -p $$(@D)
 	$$(call SAY,CC $$@)
-	$$Q$(COMPILER.firmware) $(COMMON) $(FLAGS.firmware) -DFIRMWARE_ROBOT_NAME=$1 -DFIRMWARE_SKID_NAME=$1 $(if $(filter learning_$1,$(PILOT_TABLES)),-DFIRMWARE_LEARNS) $(if $(wildcard src/tables/navigation_$1.c),-DFIRMWARE_NAVIGATES) -c $$< -o $$@
+	$$Q$(COMPILER.firmware) $(COMMON) $(FLAGS.firmware) -DFIRMWARE_ROBOT_NAME=$1 -DFIRMWARE_SKID_NAME=$1 $(if $(filter learning_$1,$(PILOT_TABLES)),-DFIRMWARE_LEARNS) $(if $(wildcard src/tables/navigation_$1.c),-DFIRMWARE_NAVIGATES -DFIRMWARE_LATTICE_NAME=$(or $(patsubst src/tables/lattice_%.c,%,$(wildcard src/tables/lattice_$1_navigation.c)),$1)) -c $$< -o $$@
 
 $(BUILD)/firmware/$1/joulepath.elf $(BUILD)/firmware/$1/emulated.elf: $(addprefix $(BUILD)/firmware/$1/,main.o firmware_$2.o) \
                                     $(BOARD_OBJECTS) $(BUILD)/firmware/libcan.a $(BUILD)/firmware/libjoulepath.a $(wildcard hal/stm32f4/*.ld)

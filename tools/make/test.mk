@@ -209,7 +209,7 @@ GATE_VARIANTS  := $(UNIT_CORES) $(GROWTH_VARIANTS)
 GATE_LIBRARIES := $(foreach v,$(sort $(GATE_VARIANTS)),$(BUILD)/$v/libjoulepath.a $(call float_library,$v) $(BUILD)/$v/libcan.a)
 # Of the programs on the whole application the one that learns links the most.
 GATE_IMAGES    := $(UNIT_CORES:%=$(BUILD)/%/test_ecu_learning)
-export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=courier24 -DFIRMWARE_SKID_NAME=burger -DFIRMWARE_PATROL_NAME=patrol -DFIRMWARE_LEARNS -DFIRMWARE_NAVIGATES
+export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=courier24 -DFIRMWARE_LATTICE_NAME=courier24 -DFIRMWARE_SKID_NAME=burger -DFIRMWARE_PATROL_NAME=patrol -DFIRMWARE_LEARNS -DFIRMWARE_NAVIGATES
 
 $(LOGS)/gates/symbols.log: $(GATE_LIBRARIES)
 	$(call SAY,RUN gate symbols)
@@ -228,7 +228,7 @@ $(LOGS)/gates/firmware.log: $(GATE_IMAGES)
 	$Q$(RUN) $@ $(GATE_LIMIT) tests/gates/firmware.sh $(GATE_IMAGES)
 
 # The unit tests, and the property tests of what no example foresees.
-COVERAGE_PROPERTIES := prop_cell_costs prop_far_sweep prop_lattice_way prop_line_path prop_planner prop_planner_large prop_planner_memory prop_planner_scout prop_planner_turns prop_scan_match prop_segment prop_telemetry prop_trajectory_optimiser prop_waypoints
+COVERAGE_PROPERTIES := prop_cell_costs prop_far_sweep prop_home prop_lattice_way prop_line_path prop_planner prop_planner_large prop_planner_memory prop_planner_scout prop_planner_turns prop_pose_field prop_scan_match prop_segment prop_telemetry prop_trajectory_optimiser prop_waypoints
 COVERAGE_TESTS      := $(call unit_programs,host-coverage) $(COVERAGE_PROPERTIES:%=$(BUILD)/host-coverage/%)
 
 $(BUILD)/host-coverage/prop_%: $(BUILD)/host-coverage/tests/property/prop_%.o $(UNITY_SOURCE:%=$(BUILD)/host-coverage/unity.o) \

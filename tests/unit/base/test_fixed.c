@@ -64,6 +64,22 @@ static void test_add_and_sub_saturate(void)
     TEST_ASSERT_EQUAL_INT32(0, jp_sub(INT32_MIN, INT32_MIN));
 }
 
+/** As jp_multiply_shift, over the whole range of both. */
+static void test_shares(void)
+{
+    static const int32_t numbers[] = {INT32_MIN + 1, -JP_Q24_ONE, -3, -1, 0, 1, 2, 5, 0x12345678, INT32_MAX};
+    static const int32_t shares[] = {-JP_Q24_ONE, 1 - JP_Q24_ONE, -7, -1, 0, 1, 12345678, JP_Q24_ONE - 1, JP_Q24_ONE};
+
+    for (unsigned i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        for (unsigned j = 0; j < sizeof shares / sizeof shares[0]; j++) {
+            TEST_ASSERT_EQUAL_INT32(jp_multiply_shift(numbers[i], shares[j], 24), jp_share(numbers[i], shares[j], 24));
+        }
+    }
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, jp_share(INT32_MIN, JP_Q24_ONE, 24));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX - 1, jp_share(INT32_MAX, INT32_MAX, 31));
+    TEST_ASSERT_EQUAL_INT32(-INT32_MAX, jp_share(INT32_MAX, INT32_MIN, 31));
+}
+
 static void test_multiply_rounds_ties_up(void)
 {
     TEST_ASSERT_EQUAL_INT32(1, jp_multiply_shift(1, 1, 1));

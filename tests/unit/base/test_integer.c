@@ -19,6 +19,18 @@ static void test_ranges_hold_their_ends(void)
     TEST_ASSERT_TRUE(jp_is_between(INT32_MIN, INT32_MIN, INT32_MAX));
 }
 
+static void test_beyond_a_limit_of_either_sign(void)
+{
+    TEST_ASSERT_FALSE(jp_is_beyond(7, 7));
+    TEST_ASSERT_FALSE(jp_is_beyond(-7, 7));
+    TEST_ASSERT_TRUE(jp_is_beyond(8, 7));
+    TEST_ASSERT_TRUE(jp_is_beyond(-8, 7));
+    TEST_ASSERT_FALSE(jp_is_beyond(0, 0));
+    TEST_ASSERT_TRUE(jp_is_beyond(INT32_MIN, 0));
+    TEST_ASSERT_FALSE(jp_is_beyond(-INT32_MAX, INT32_MAX));
+    TEST_ASSERT_TRUE(jp_is_beyond(INT32_MIN, INT32_MAX));
+}
+
 static void test_magnitudes(void)
 {
     TEST_ASSERT_EQUAL_UINT32(0, jp_magnitude32(0));

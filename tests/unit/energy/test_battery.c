@@ -59,6 +59,8 @@ static void test_checks_every_field_at_its_limits(void)
     AT_LEAST("battery.", charge_efficiency, JP_Q16(0.5));
     FIELD(charge_efficiency, JP_Q16_ONE + 1, "battery.charge_efficiency");
     RANGE("battery.", reserve, 0, (jp_q31)1 << 30);
+    RANGE("battery.", charge_deviation, 0, (jp_q31)1 << 30);
+    RANGE("battery.", unit_exponent, -15, 15);
     AT_LEAST("battery.", voltage_jump, 1);
 }
 
@@ -389,4 +391,33 @@ static void test_energy_of_the_largest_battery(void)
     config.voltage_nominal = JP_Q16(22.2);
     start(72000 * COULOMB - 12345);
     TEST_ASSERT_INT64_WITHIN(JOULE, 1598400 * JOULE, jp_battery_energy_left(&battery, &config));
+}
+
+static void test_forecast_of_what_is_left(void)
+{
+    struct jp_forecast left;
+
+    config.charge_deviation = (jp_q31)1 << 26; /* 1/32 */
+    config.unit_exponent = 3;
+    start(CAPACITY * COULOMB / 2);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_battery_forecast_left(&battery, &config, &left));
+    TEST_ASSERT_INT32_WITHIN(8, (jp_q16)(CAPACITY * 22LL * 65536 * 3 / 8 / 8), left.energy);
+    TEST_ASSERT_INT32_WITHIN(8, (jp_q16)(CAPACITY * 22LL * 65536 / 32 / 8), left.deviation);
+}
+
+static void test_forecast_names_what_it_cannot_do(void)
+{
+    struct jp_forecast left;
+
+    start(CAPACITY * COULOMB);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_battery_forecast_left(&battery, &config, &left));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, left.energy);
+    config.charge_deviation = (jp_q31)1 << 30;
+    start(0);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_battery_forecast_left(&battery, &config, &left));
+    TEST_ASSERT_EQUAL_INT32(0, left.energy);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, left.deviation);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_battery_forecast_left(NULL, &config, &left));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_battery_forecast_left(&battery, NULL, &left));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_battery_forecast_left(&battery, &config, NULL));
 }

@@ -171,3 +171,92 @@ static void test_quantiles_rise(void)
         before = quantile;
     }
 }
+
+/* P(left − way >= 0) by published quantiles, on either side of ½. */
+static void test_what_is_left_suffices_with_a_probability(void)
+{
+    static const struct {
+        jp_q16 quantile;
+        jp_q31 probability;
+    } known[] = {{0, 1 << 30},         {44204, 1610612736}, /* 0.75 */
+                 {83987, 1932735283},                       /* 0.9 */
+                 {107797, 2040109466},                      /* 0.95 */
+                 {152461, 2126008812},                      /* 0.99 */
+                 {202521, 2145336164}};                     /* 0.999 */
+
+    for (unsigned i = 0; i < sizeof known / sizeof known[0]; i++) {
+        /* 3 and 4 J make 5 J. */
+        const struct jp_forecast left = {JP_Q16(500), JP_Q16(3)};
+        const struct jp_forecast near = {JP_Q16(500) - 5 * known[i].quantile, JP_Q16(4)};
+        const struct jp_forecast far = {JP_Q16(500) + 5 * known[i].quantile, JP_Q16(4)};
+        jp_q31 probability = 0;
+
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_suffices(&left, &near, &probability));
+        TEST_ASSERT_INT32_WITHIN(900000, known[i].probability, probability);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_suffices(&left, &far, &probability));
+        TEST_ASSERT_INT32_WITHIN(900000, INT32_MAX - known[i].probability, probability);
+    }
+}
+
+static jp_q31 probability_of(jp_q16 left, jp_q16 left_deviation, jp_q16 way, jp_q16 way_deviation)
+{
+    jp_q31 probability = 0;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_suffices(&(struct jp_forecast){left, left_deviation},
+                                                      &(struct jp_forecast){way, way_deviation}, &probability));
+    return probability;
+}
+
+static void test_no_probability_is_beyond_what_a_forecast_can_say(void)
+{
+    const jp_q31 least = (jp_q31)(((uint32_t)1 << 31) - (uint32_t)JP_PROBABILITY_MAX);
+
+    TEST_ASSERT_EQUAL_INT32(JP_PROBABILITY_MAX, probability_of(JP_Q16(9), 0, JP_Q16(9), 0));
+    TEST_ASSERT_EQUAL_INT32(least, probability_of(JP_Q16(9) - 1, 0, JP_Q16(9), 0));
+    TEST_ASSERT_EQUAL_INT32(JP_PROBABILITY_MAX, probability_of(INT32_MAX, 1, INT32_MIN, 0));
+    TEST_ASSERT_EQUAL_INT32(least, probability_of(INT32_MIN, 0, INT32_MAX, 1));
+    TEST_ASSERT_INT32_WITHIN(20000000, 1 << 30, probability_of(JP_Q16(1), INT32_MAX, 0, INT32_MAX));
+}
+
+/* The larger of two probabilities is that of more energy, whatever the deviations. */
+static void test_more_energy_suffices_no_less(void)
+{
+    jp_q31 before = 0;
+
+    for (jp_q16 left = 0; left < JP_Q16(200); left += 7919) {
+        const jp_q31 now = probability_of(left, JP_Q16(7), JP_Q16(100), JP_Q16(20));
+
+        TEST_ASSERT_TRUE(now >= before);
+        before = now;
+    }
+}
+
+/* What is spare at a confidence is so because the probability is at least that. */
+static void test_a_probability_agrees_with_the_reserve(void)
+{
+    for (jp_q16 available = JP_Q16(60); available < JP_Q16(180); available += 4001) {
+        const struct jp_forecast way = {JP_Q16(100), JP_Q16(17)};
+        const jp_q31 probability = probability_of(available, 0, way.energy, way.deviation);
+
+        for (int64_t confidence = JP_PROBABILITY_MIN; confidence <= JP_PROBABILITY_MAX; confidence += 40000003) {
+            jp_q16 spare = 0;
+
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_reserve(&way, available, (jp_q31)confidence, &spare));
+            TEST_ASSERT_EQUAL_INT(spare >= 0, probability >= confidence);
+        }
+    }
+}
+
+static void test_refuses_a_probability_of_nothing(void)
+{
+    const struct jp_forecast good = {JP_Q16(1), 0};
+    const struct jp_forecast bad = {JP_Q16(1), -1};
+    jp_q31 probability = 7;
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_forecast_suffices(NULL, &good, &probability));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_forecast_suffices(&good, NULL, &probability));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_forecast_suffices(&good, &good, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_forecast_suffices(&bad, &good, &probability));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_forecast_suffices(&good, &bad, &probability));
+    TEST_ASSERT_EQUAL_INT32(7, probability);
+}

@@ -73,6 +73,7 @@ static void test_limits_of_each_field(void)
     check_limits(&config.turn_first, least, JP_PLANE_PI, "turn_first");
     check_limits(&config.turn_rate, least, 16.0f, "turn_rate");
     check_limits(&config.turn_acceleration, least, most, "turn_acceleration");
+    check_limits(&config.steering_rate, least, most, "steering_rate");
     check_limits(&config.turn_clearance, 0.0f, most, "turn_clearance");
     check_limits(&config.step_speed, least, 16.0f, "step_speed");
     check_limits(&config.horizon, least, most, "horizon");

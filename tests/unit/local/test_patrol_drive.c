@@ -47,6 +47,31 @@ static void test_straight_way(void)
     rig_expect_stand();
 }
 
+/* Beside the robot, where a band that does not drive backwards cannot get. */
+static void test_a_band_that_stands_is_no_way(void)
+{
+    config.turns_in_place = false;
+    rig_init();
+    rig_straight(0.0f, 0.0f, 0.0f, 0.3f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.3f, 0.0f, false));
+    TEST_ASSERT_TRUE(rig_until(JP_PATROL_WAITING, 60) > 5U);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+    rig_expect_stand();
+}
+
+static void test_a_band_that_stands_for_people_is_waited_for(void)
+{
+    config.turns_in_place = false;
+    rig_init();
+    rig_straight(0.0f, 0.0f, 0.0f, 0.3f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.3f, 0.0f, false));
+    for (unsigned i = 0; i < 60U; i++) {
+        patrol.internal.is_yielding = true;
+        rig_cycle();
+        rig_expect(JP_PATROL_DRIVING, JP_PATROL_NONE);
+    }
+}
+
 static void test_robot_follows_a_bent_path(void)
 {
     rig_straight(0.0f, 0.0f, 2.0f, 0.0f);
@@ -63,8 +88,9 @@ static void test_robot_turns_in_place_before_it_drives(void)
     rig_cycle();
     rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
 
-    float before = 0.0f;
+    float before = jp_plane_magnitude(rig_from_q24(twist.turn_rate));
 
+    TEST_ASSERT_NEAR(1e-5f, config.turn_acceleration * RIG_PERIOD, before);
     while (patrol.state == JP_PATROL_TURNING) {
         rig_cycle();
 
@@ -96,7 +122,8 @@ static void test_robot_turns_at_the_goal(void)
     rig_go_to_heading(1.5f, 0.0f, -2.0f);
     (void)rig_until(JP_PATROL_TURNING, RIG_LONG);
     TEST_ASSERT_NEAR(0.08f, 1.5f, robot.x);
-    rig_expect_stand();
+    TEST_ASSERT_EQUAL_INT32(0, twist.x);
+    TEST_ASSERT_NEAR(1e-5f, -config.turn_acceleration * RIG_PERIOD, rig_from_q24(twist.turn_rate));
     (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
     TEST_ASSERT_NEAR(0.08f, -2.0f, robot.heading);
     TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.turns);
@@ -445,4 +472,55 @@ static void test_a_step_to_the_goal_that_is_not_free_is_not_taken(void)
     (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
     TEST_ASSERT_NEAR(0.05f, 2.12f, robot.x);
     TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.steps);
+}
+
+/* ---- Stopping at the goal ---- */
+
+/* In a world in which what it is told acts later, and braking takes a while: it brakes where it comes to a stand at the
+ * goal, and does not pass it. */
+static void test_it_brakes_in_time_for_the_goal(void)
+{
+    config.latency = 0.1f;
+    rig_init();
+    rig_go(3.0f, 0.0f);
+    patrol.pose.x = 3.0f - config.position_tolerance - 0.03f;
+    robot.x = patrol.pose.x;
+    rig_sense();
+    input.speed = (struct jp_plane_speed){0.4f, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    /* of the way that is left, 0.04 m go by until it brakes */
+    TEST_ASSERT_NEAR(1e-4f, jp_plane_square_root(2.0f * config.teb.acceleration * (config.position_tolerance - 0.01f)),
+                     rig_from_q24(twist.x));
+    TEST_ASSERT_TRUE(patrol.internal.is_arriving);
+    patrol.pose.x = 3.0f;
+    robot.x = 3.0f;
+    rig_sense();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    TEST_ASSERT_EQUAL_INT(0, twist.x);
+}
+
+/* Slower, beside the goal by more than its tolerance, or away from it, it drives on. */
+static void test_it_does_not_brake_too_soon(void)
+{
+    config.latency = 0.1f;
+    rig_init();
+    rig_go(3.0f, 0.0f);
+    robot.x = 3.0f - config.position_tolerance - 0.03f;
+    patrol.pose = robot;
+    rig_sense();
+    input.speed = (struct jp_plane_speed){0.05f, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    TEST_ASSERT_FALSE(patrol.internal.is_arriving);
+    robot.y = config.position_tolerance + 0.01f;
+    patrol.pose = robot;
+    rig_sense();
+    input.speed = (struct jp_plane_speed){0.4f, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    TEST_ASSERT_FALSE(patrol.internal.is_arriving);
+    robot.y = 0.0f;
+    patrol.pose = robot;
+    rig_sense();
+    input.speed = (struct jp_plane_speed){-0.4f, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    TEST_ASSERT_FALSE(patrol.internal.is_arriving);
 }

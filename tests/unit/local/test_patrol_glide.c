@@ -1,5 +1,6 @@
 /* Turning while the robot drives: when it pays, when it is free, and how it ends. */
 #include "src/local/patrol_glide.h"
+#include "src/local/patrol_price.h"
 
 #include "src/local/patrol_path.h"
 #include "src/local/patrol_room.h"
@@ -78,10 +79,49 @@ static void test_the_papers_rule_turns_first(void)
     TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.glides);
 }
 
-/* Where steering costs more than turning, what a glide saves of the turn is not worth it. */
+/* A turn in place, then a glide that begins askew. */
+static float set_off_price(float turned, float askew)
+{
+    return jp_patrol_turn_price(&config, turned) + jp_patrol_steering_price(&config, askew, turned > 0.0f);
+}
+
+/* Of all ways to share an angle between the two. */
+static float least_price(float angle)
+{
+    const float most = jp_plane_smaller(angle, jp_patrol_askew_max(&config));
+    float least = set_off_price(angle, 0.0f);
+
+    for (unsigned i = 0; i <= 100U; i++) {
+        const float askew = most * (float)i / 100.0f;
+
+        least = jp_plane_smaller(least, set_off_price(angle - askew, askew));
+    }
+    return least;
+}
+
+static void test_robot_sets_off_as_costs_least(void)
+{
+    for (unsigned i = 7; i <= 36U; i++) {
+        const float angle = JP_PLANE_PI * (float)i / 36.0f;
+
+        setUp();
+        config.price.steering = i % 2U == 0U ? 9.0f : 60.0f;
+        rig_init();
+        rig_go(2.5f * jp_plane_cosine(angle), 2.5f * jp_plane_sine(angle));
+        rig_cycle();
+        TEST_ASSERT_TRUE(patrol.state == JP_PATROL_GLIDING || patrol.state == JP_PATROL_TURNING);
+
+        const float turned =
+            patrol.state == JP_PATROL_TURNING ? jp_plane_magnitude(patrol.internal.turn_remaining) : 0.0f;
+
+        TEST_ASSERT_TRUE(set_off_price(turned, jp_plane_magnitude(angle - turned)) <= least_price(angle) + 1.0f);
+    }
+}
+
+/* Where wheels are steered more slowly than the robot turns, what a glide saves of the turn is not worth it. */
 static void test_the_cheaper_way_is_taken(void)
 {
-    config.price = (struct jp_patrol_price){.second = 1.0f, .turning = 0.0f, .steering = 100.0f};
+    config.steering_rate = 0.1f;
     rig_init();
     rig_go(-2.5f, 0.5f);
     rig_cycle();
@@ -223,8 +263,9 @@ static void test_a_glide_into_a_goal_must_be_free(void)
     rig_cycle();
     jp_patrol_look_ahead(&patrol, config.horizon, &window);
     TEST_ASSERT_FALSE(jp_patrol_glide_in(&patrol, &window));
-    rig_wall(2.9f, -0.5f, 2.9f, 0.5f);
-    rig_go_to_heading(3.5f, 0.0f, 0.0f);
+    wall_count = 0;
+    rig_wall(2.95f, -0.5f, 2.95f, 0.5f);
+    rig_go_to_heading(3.0f, 0.0f, 0.8f);
     rig_cycle();
     jp_patrol_look_ahead(&patrol, config.horizon, &window);
     TEST_ASSERT_FALSE(jp_patrol_glide_in(&patrol, &window));
@@ -236,15 +277,60 @@ static void test_a_glide_into_a_goal_must_be_free_on_its_way(void)
     struct jp_patrol_window window;
 
     rig_wall(2.98f, 0.41f, 3.06f, 0.41f);
-    robot.x = 2.5f;
+    robot.x = 2.75f;
     rig_init();
-    rig_go_to_heading(3.5f, 0.0f, 0.8f);
+    rig_go_to_heading(3.5f, 0.0f, 1.2f);
     rig_cycle();
     jp_patrol_look_ahead(&patrol, config.horizon, &window);
     TEST_ASSERT_FALSE(jp_patrol_glide_in(&patrol, &window));
     wall_count = 0;
     rig_cycle();
     TEST_ASSERT_TRUE(patrol.state == JP_PATROL_GLIDING || jp_patrol_glide_in(&patrol, &window));
+}
+
+/* Whether a glide in begins now, from a place before the goal (3, 0), at a speed. */
+static bool begins_glide(float x, float heading, float speed)
+{
+    struct jp_patrol_window window;
+
+    rig_reset();
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    robot.x = x;
+    rig_init();
+    rig_go_to_heading(3.0f, 0.0f, heading);
+    rig_cycle();
+    patrol.internal.command.forward = speed;
+    jp_patrol_look_ahead(&patrol, config.horizon, &window);
+    return patrol.state == JP_PATROL_GLIDING || jp_patrol_glide_in(&patrol, &window);
+}
+
+/* A turn that is left at the goal is turned in place, and what a glide takes of it must not slow the robot down. */
+static void test_a_glide_in_begins_when_it_is_due(void)
+{
+    TEST_ASSERT_FALSE(begins_glide(1.5f, 1.0f, 0.8f));
+    TEST_ASSERT_TRUE(begins_glide(2.2f, 1.0f, 0.8f));
+    TEST_ASSERT_TRUE(begins_glide(2.2f, 3.0f, 0.0f));
+    TEST_ASSERT_FALSE(begins_glide(2.9f, 3.0f, 0.0f));
+    /* Faster than it can brake; nearer, it turns less. */
+    TEST_ASSERT_TRUE(begins_glide(2.7f, 0.8f, 0.8f));
+    TEST_ASSERT_TRUE(patrol.internal.glide_heading < 0.6f);
+}
+
+/* A post ahead: beside it the robot may come to the goal askew, but cannot turn there. */
+static void test_what_is_left_of_a_glide_in_must_be_free(void)
+{
+    struct jp_patrol_window window;
+
+    TEST_ASSERT_TRUE(begins_glide(2.2f, 3.0f, 0.0f));
+    rig_reset();
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    robot.x = 2.2f;
+    rig_init();
+    rig_wall(3.47f, -0.1f, 3.47f, 0.1f);
+    rig_go_to_heading(3.0f, 0.0f, 3.0f);
+    rig_cycle();
+    jp_patrol_look_ahead(&patrol, config.horizon, &window);
+    TEST_ASSERT_FALSE(jp_patrol_glide_in(&patrol, &window));
 }
 
 static void test_a_goal_behind_is_stepped_to(void)
@@ -255,6 +341,20 @@ static void test_a_goal_behind_is_stepped_to(void)
     (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
     expect_pose(-0.2f, 0.05f, 0.0f);
     TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.turns);
+}
+
+/* Two turns would take longer than the slow step; where any heading will do, one does not. */
+static void test_a_goal_behind_is_stepped_to_where_that_costs_less(void)
+{
+    rig_go_to_heading(-0.7f, 0.0f, 0.0f);
+    rig_cycle();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    rig_reset();
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    rig_init();
+    rig_go(-1.9f, 0.0f);
+    rig_cycle();
+    rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
 }
 
 /* With a wall beside its way. */

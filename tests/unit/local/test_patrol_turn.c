@@ -242,6 +242,9 @@ static void arrive_beside_the_goal(float x)
 
 static void test_robot_steps_to_the_goal_to_turn_there(void)
 {
+    rig_wall(0.54f, -2.0f, 0.54f, 2.0f);
+    rig_wall(-2.0f, 0.54f, 2.0f, 0.54f);
+    rig_wall(-2.0f, -0.54f, 2.0f, -0.54f);
     arrive_beside_the_goal(-0.08f);
     rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
     (void)rig_until(JP_PATROL_TURNING, 20);
@@ -264,14 +267,43 @@ static void test_robot_beside_the_goal_with_no_way_there_waits(void)
     rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
 }
 
-/* A long nose: a thing that is in the shorter way round is not in the longer one. */
+/* A way aside and back, where there is no room to turn at the goal itself. */
+static void test_robot_turns_beside_the_goal_and_steps_in(void)
+{
+    rig_wall(-0.45f, -2.0f, -0.45f, 2.0f);
+    rig_straight(-1.0f, 0.0f, 0.0f, 0.0f);
+    rig_init();
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.0f, 1.5f, false));
+    rig_cycle();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    (void)rig_until(JP_PATROL_TURNING, 30);
+    TEST_ASSERT_TRUE(robot.x > 0.1f);
+    (void)rig_until(JP_PATROL_STEPPING, 60);
+    TEST_ASSERT_NEAR(0.08f, 1.5f, robot.heading);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_NEAR(0.05f, 0.0f, robot.x);
+    TEST_ASSERT_NEAR(0.08f, 1.5f, robot.heading);
+}
+
+/* From beside it there is a way to turn, but none back in. */
+static void test_robot_does_not_turn_where_it_cannot_step_in(void)
+{
+    rig_wall(-2.0f, -0.35f, 2.0f, -0.35f);
+    rig_straight(-1.0f, 0.0f, 0.0f, 0.0f);
+    rig_init();
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.0f, 1.5f, false));
+    rig_cycle();
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+}
+
+/* A long nose: a thing that is in the shorter way round, from beside the goal too, is not in the longer one. */
 static void test_robot_turns_the_longer_way_round(void)
 {
     float turned = 0.0f;
 
-    config.teb.footprint = (struct jp_footprint){0.6f, 0.2f, 0.3f};
+    config.teb.footprint = (struct jp_footprint){0.9f, 0.2f, 0.3f};
     rig_init();
-    rig_box(0.36f, 0.36f, 0.41f, 0.41f);
+    rig_box(0.4f, 0.4f, 0.45f, 0.45f);
     rig_straight(-1.0f, 0.0f, 0.0f, 0.0f);
     TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.0f, 0.5f * JP_PLANE_PI, false));
     while (patrol.state != JP_PATROL_ARRIVED) {

@@ -468,7 +468,7 @@ static void test_same_bits_everywhere(void)
         task.measured = task.start;
         task.speed = result.speed;
     }
-    TEST_ASSERT_EQUAL_HEX32(0xDC698051U, hash);
+    TEST_ASSERT_EQUAL_HEX32(0x0D5B77DFU, hash);
 }
 
 /* ---- What is refused ---- */
@@ -583,8 +583,9 @@ static const struct field {
       FIELD(weights.turn_acceleration),
       FIELD(weights.obstacle),
       FIELD(weights.path),
-      FIELD(weights.time),
-      FIELD(weights.slowness),
+      FIELD(weights.second),
+      FIELD(weights.metre),
+      FIELD(weights.drag),
       FIELD(weights.no_reversing),
       FIELD(weights.wheel_odometry),
       FIELD(weights.laser_odometry),
@@ -673,9 +674,9 @@ static void test_no_settings_or_tasks_make_anything_but_numbers(void)
 {
     for (unsigned run = 0; run < 60U; run++) {
         struct jp_teb_weights *const weights = &config.weights;
-        float *const all[] = {&weights->slowness,    &weights->nonholonomic, &weights->speed,    &weights->turn_rate,
+        float *const all[] = {&weights->second,      &weights->nonholonomic, &weights->speed,    &weights->turn_rate,
                               &weights->turn_radius, &weights->acceleration, &weights->obstacle, &weights->path,
-                              &weights->time,        &weights->no_reversing};
+                              &weights->metre,       &weights->no_reversing, &weights->drag};
 
         setUp();
         random_state = run + 1U;

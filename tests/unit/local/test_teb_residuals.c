@@ -56,8 +56,9 @@ static const struct {
     {"turn acceleration", offsetof(struct jp_teb_weights, turn_acceleration)},
     {"obstacle", offsetof(struct jp_teb_weights, obstacle)},
     {"path", offsetof(struct jp_teb_weights, path)},
-    {"time", offsetof(struct jp_teb_weights, time)},
-    {"slowness", offsetof(struct jp_teb_weights, slowness)},
+    {"second", offsetof(struct jp_teb_weights, second)},
+    {"metre", offsetof(struct jp_teb_weights, metre)},
+    {"drag", offsetof(struct jp_teb_weights, drag)},
     {"no reversing", offsetof(struct jp_teb_weights, no_reversing)},
     {"wheel odometry", offsetof(struct jp_teb_weights, wheel_odometry)},
     {"laser odometry", offsetof(struct jp_teb_weights, laser_odometry)},
@@ -423,12 +424,14 @@ static void test_cost_that_reaches_the_limit_is_not_completed(void)
     TEST_ASSERT_TRUE(jp_teb_linearise(&teb, 0.05f * whole) < whole);
 }
 
-static void test_band_within_all_limits_costs_its_time(void)
+/* Half a metre in a second, at 0.5 m/s: what a second, a metre and drag cost, and the smoothing of four steps. */
+static void test_band_within_all_limits_costs_its_energy(void)
 {
     struct jp_teb_config config = config_of_all_terms();
 
-    config.weights.time = 2.0f;
-    config.weights.slowness = 0.0f;
+    config.weights.second = 2.0f;
+    config.weights.metre = 3.0f;
+    config.weights.drag = 5.0f;
     rig_init(&config);
     teb.internal.task = task;
     teb.internal.task.speed.forward = 0.5f;
@@ -439,8 +442,7 @@ static void test_band_within_all_limits_costs_its_time(void)
         set_pose(i, 0.125f * (float)i, 0.0f, 0.0f, 0.25f);
     }
     find_neighbours();
-    /* Four intervals of 0.25 s: ½ · 2 · 4 · 0.25². */
-    TEST_ASSERT_NEAR(1e-5f, 0.25f, linearise());
+    TEST_ASSERT_NEAR(1e-5f, 2.0f * 1.0f + 3.0f * 4.0f * 0.1253994f + 5.0f * 0.5f * 0.5f, linearise());
 }
 
 /* Nothing ties it to others, and nothing pulls it. */

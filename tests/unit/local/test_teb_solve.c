@@ -111,7 +111,7 @@ static void linearise_band(unsigned poses)
     float heading = 0.0f;
 
     config.weights =
-        (struct jp_teb_weights){5.0f, 3.0f, 4.0f, 2.0f, 1.0f, 2.0f, 7.0f, 2.0f, 3.0f, 2.0f, 4.0f, 2.0f, 5.0f};
+        (struct jp_teb_weights){5.0f, 3.0f, 4.0f, 2.0f, 1.0f, 2.0f, 7.0f, 2.0f, 3.0f, 1.0f, 2.0f, 4.0f, 2.0f, 5.0f};
     rig_init(&config);
     rig_straight(20.0f);
     task.measured = task.start;

@@ -594,3 +594,53 @@ static void test_no_more_legs_than_can_be_counted(void)
     work_and_tick();
     TEST_ASSERT_EQUAL_UINT16(1, pilot.targets_planned);
 }
+
+/* A bus that lacks voltage */
+
+static jp_q16 duration_of_slalom(void)
+{
+    enum jp_status status;
+
+    follow_slalom();
+    (void)work_while(JP_PILOT_PLANNING, &status);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, status);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_work(&pilot));
+    return pilot.leg.duration;
+}
+
+static void test_lacking_voltage_slows_what_is_planned(void)
+{
+    const jp_q16 designed = robot_config.trajectory.voltage;
+    jp_q16 usual;
+
+    robot_config.limits.speed = jp_cruise_speed(&model);
+    init();
+    balance();
+    usual = duration_of_slalom();
+    init();
+    balance();
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_lack_voltage(&pilot, designed / 2));
+    TEST_ASSERT_INT32_WITHIN(2, jp_cruise_speed(&model) / 2, jp_pilot_cruise_now(&pilot, &model));
+    TEST_ASSERT_GREATER_THAN_INT32(usual, duration_of_slalom());
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(jp_cruise_speed(&model) / 2 + 2, pilot.leg.speed);
+}
+
+static void test_voltage_that_comes_back_is_used_again(void)
+{
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_lack_voltage(&pilot, JP_Q16_ONE));
+    TEST_ASSERT_EQUAL_INT32(robot_config.trajectory.voltage - JP_Q16_ONE, pilot.internal.trajectory.voltage);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_lack_voltage(&pilot, 0));
+    TEST_ASSERT_EQUAL_INT32(robot_config.trajectory.voltage, pilot.internal.trajectory.voltage);
+    TEST_ASSERT_EQUAL_INT32(jp_pilot_cruise(&robot_config, &model), jp_pilot_cruise_now(&pilot, &model));
+}
+
+static void test_voltage_that_leaves_no_motion_is_refused(void)
+{
+    const jp_q16 designed = robot_config.trajectory.voltage;
+
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pilot_lack_voltage(&pilot, designed - designed / 8));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_INFEASIBLE, jp_pilot_lack_voltage(&pilot, designed - designed / 8 + 1));
+    TEST_ASSERT_EQUAL_INT32(designed / 8, pilot.internal.trajectory.voltage);
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_lack_voltage(&pilot, -1));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_ARGUMENT, jp_pilot_lack_voltage(NULL, 0));
+}

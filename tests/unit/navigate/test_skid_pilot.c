@@ -492,3 +492,47 @@ static void test_a_forecast_that_has_no_format(void)
     set_up_pilot();
     expect_no_format(JP_Q16(512));
 }
+
+/* A bus that lacks voltage */
+
+/** V that turn the wheels of a side at so many m/s. */
+static jp_q16 volts_of(jp_q24 speed)
+{
+    const struct jp_skid_control_config *const control = &jp_skid_robot_configuration(&robot)->control;
+
+    return jp_multiply_shift(jp_q24_multiply(speed, control->turns_per_metre), control->back_emf, 24);
+}
+
+static void test_lacking_voltage_slows_what_is_planned(void)
+{
+    struct jp_path_limits designed;
+    jp_q16 volts;
+
+    set_up_pilot();
+    designed = pilot.config.limits;
+    volts = volts_of(JP_Q24(0.2));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_lack_voltage(&pilot, volts));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), designed.speed - JP_Q24(0.2), pilot.config.limits.speed);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), designed.side_speed - JP_Q24(0.2), pilot.config.limits.side_speed);
+    follow_square();
+    (void)plan();
+    drive_legs(1, 1);
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(pilot.config.limits.speed, pilot.leg.speed);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_lack_voltage(&pilot, 0));
+    TEST_ASSERT_EQUAL_INT32(designed.speed, pilot.config.limits.speed);
+    TEST_ASSERT_EQUAL_INT32(designed.side_speed, pilot.config.limits.side_speed);
+}
+
+static void test_voltage_that_leaves_no_motion_is_refused(void)
+{
+    jp_q24 designed;
+
+    set_up_pilot();
+    designed = pilot.config.limits.speed;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_pilot_lack_voltage(&pilot, volts_of(designed / 8 * 7 - JP_Q24(0.001))));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE,
+                          jp_skid_pilot_lack_voltage(&pilot, volts_of(designed / 8 * 7 + JP_Q24(0.001))));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.002), designed / 8, pilot.config.limits.speed);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_pilot_lack_voltage(&pilot, -1));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_skid_pilot_lack_voltage(NULL, 0));
+}

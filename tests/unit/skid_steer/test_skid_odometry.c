@@ -534,6 +534,18 @@ static void test_bend_loses_way(void)
     TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.forward);
 }
 
+/* A right turn by a force beyond all numbers: it slides as far to its left as it may. */
+static void test_push_aside_saturates(void)
+{
+    config.turn_shift_across = JP_Q24(8);
+    config.turn_slide_most = JP_Q24(0.5);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.tilt.state[JP_SKID_TILT_OFFSET] = JP_Q24_ONE;
+    sensors.accel_x = -JP_Q24(2);
+    drive(1, 256, -256, -JP_Q24(0.25));
+    TEST_ASSERT_EQUAL_INT32(odometry.internal.slip.most, odometry.internal.slip.across);
+}
+
 /* A robot that is pushed aside in its turns turns further by the same wheels. */
 static void test_ratio_grows_as_the_robot_is_pushed_aside(void)
 {
@@ -542,9 +554,8 @@ static void test_ratio_grows_as_the_robot_is_pushed_aside(void)
     odometry.internal.slip.along = 0;
     odometry.internal.slip.across = JP_Q24(0.2); /* 4 % */
     drive(100, 0, 0, 0);
-    config.turn_creep_across = JP_Q24(1);
-    odometry.internal.slip.creep_across = JP_Q24(2);
-    odometry.internal.slip.creep_along = 0;
+    config.turn_creep_across = JP_Q24(0.3183098861837907); /* 2 m/turn */
+    config.turn_creep_along = 0;
     for (int step = 0; step < 100; step++) {
         odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
         drive(1, -256, 256, JP_Q24(0.40625)); /* 4 % more than the ratio says */

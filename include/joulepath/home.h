@@ -1,0 +1,180 @@
+/**
+ * Home in time: how probably what is left in the battery brings a robot home along the way that would be planned over
+ * the map, and a navigator that turns back before it does not.
+ *
+ *   jp_home_work()  from the background loop in place of jp_navigator_work(), of which it is a slice and more
+ *
+ *             go               way home known           arrived                home
+ *   idle ─────────▶ preparing ────────────────▶ out ─────────────▶ at goal ─────────────▶ returning ─▶ home
+ *                                                └── less probable than `confidence`, no way ─▲
+ *
+ * A field of the costs from every pose home (pose_field.h) grows in slices from home. Along it a course is laid from
+ * where the robot is, and surveyed as the navigator surveys what it drives: so the forecast of the way home is one of
+ * the robot's own learner, over the ground that it leads over, turns included. It is made anew all the time; in between
+ * it is as much less or more as the field says. Then
+ *
+ *   P(home) = P(left − way >= 0),    left from the battery, way from the learner, each with its deviation
+ *
+ * by jp_forecast_suffices(). Of each drive that arrives home learns by which factor it took more than the forecast of
+ * its first course: planning, waits at stands, ways round what the map did not show; and how far drives differ in that.
+ * The way home is so much dearer, and so much less sure (jp_home_factor). The robot goes on as long as that is at least
+ * `confidence` where it is, however far the goal may be, so that what it learns on its way counts. A change of the map
+ * that blocks the way home makes the field grow anew; until it has, the way home is the last one and what was spent
+ * since.
+ *
+ * Integers only: the same bits on every core. Nothing here is for ISRs.
+ */
+#ifndef JOULEPATH_HOME_H
+#define JOULEPATH_HOME_H
+
+#include <joulepath/navigator.h>
+#include <joulepath/pose_field.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct jp_home_config {
+    struct jp_navigator *navigator; /**< prepared; nobody else hands it goals or calls its jp_navigator_work() */
+    int16_t x;                      /**< home, cells of its map, where the robot can stand */
+    int16_t y;
+    jp_q31 confidence; /**< the robot turns back below it; ½…0.9999, or 0: never */
+    /** What is left in the battery, J in the unit of the vehicle's model, with its deviation, as
+     * jp_battery_forecast_left() tells. False: it is not known.
+     */
+    bool (*left)(void *context, struct jp_forecast *left);
+    void *context;              /**< handed to it */
+    struct jp_course_leg *legs; /**< the caller's memory for the way home */
+    uint16_t legs_max;          /**< at least 1 */
+    uint16_t slice;             /**< poses of the field of one call; at least 1 */
+    void *block;                /**< jp_home_size() bytes aligned to 8 */
+    size_t size;                /**< of it */
+};
+
+enum jp_home_state {
+    JP_HOME_IDLE,      /**< no goal */
+    JP_HOME_PREPARING, /**< looks for the way home before it leaves */
+    JP_HOME_OUT,       /**< on the way to the goal */
+    JP_HOME_AT_GOAL,   /**< has arrived there */
+    JP_HOME_RETURNING, /**< on the way home */
+    JP_HOME_HOME,      /**< has arrived there */
+    JP_HOME_FAILED     /**< the goal is blocked, the motors are off, or no way leads home: see the navigator */
+};
+
+/** At this moment. */
+struct jp_home_answer {
+    struct jp_forecast left; /**< in the battery, */
+    struct jp_forecast way;  /**< and what the way home takes: J in the unit of the vehicle's model */
+    jp_q31 probability;      /**< that it suffices, 0.0001…0.9999 */
+};
+
+/** Drives of one question at most. */
+#define JP_HOME_DRIVES_MAX 16U
+
+/** What drives take against their forecasts. Worth storing: a new robot has 1.05 ± 0.1, and drives that differ by as
+ * much. */
+struct jp_home_factor {
+    jp_q16 mean;      /**< ½…2 */
+    jp_q16 deviation; /**< of what is known of the mean; above 0, up to 0.1 */
+    jp_q16 noise;     /**< deviation of a drive; 1/64…1 */
+};
+
+/** Private: from its begin to the goal, or home. */
+struct jp_home_drive {
+    struct jp_forecast forecast; /**< of its first course */
+    jp_q16 left;                 /**< in the battery as it began, J */
+    bool has_forecast;
+};
+
+/** Private. */
+enum jp_home_phase { JP_HOME_GROWS, JP_HOME_JOINS, JP_HOME_SURVEYS };
+
+/** Private: a way home that was surveyed. */
+struct jp_home_way {
+    struct jp_forecast energy;
+    jp_cost cost; /**< by the field */
+    jp_q16 left;  /**< in the battery then, J */
+    bool is_known;
+};
+
+/** Private. */
+struct jp_home_internal {
+    struct jp_pose_field field;
+    struct jp_navigator survey; /**< that drives nothing: the course home and what it takes */
+    enum jp_home_phase phase;
+    struct jp_home_way way;   /**< the last one from where the robot was */
+    struct jp_home_way price; /**< the last one that was long enough to tell what others take */
+    jp_cost cost;             /**< from where the course that is surveyed begins, */
+    jp_angle heading;         /**< and the robot's heading there */
+    struct jp_home_drive drive;
+    struct jp_goal goal;
+    bool is_from_goal;  /**< the course that is surveyed */
+    bool is_goal_known; /**< what the way home from there takes, or that none is known */
+    bool is_stuck;      /**< no course leads along the field from where the robot is */
+};
+
+/** The members but `internal` may be read. */
+struct jp_home {
+    struct jp_home_config config;
+    enum jp_home_state state;
+    bool has_turned_back;         /**< since it was told where to go */
+    uint32_t ways;                /**< home that were surveyed, saturating */
+    struct jp_home_factor factor; /**< the caller may write what was stored after jp_home_init() */
+    struct jp_home_internal internal;
+};
+
+/** Bytes of `block` for a map; 0 when its configuration is out of range. Constant time. */
+size_t jp_home_size(const struct jp_terrain_config *config);
+
+/** Prepares a home for a navigator that stands, and begins to look for the way there. JP_ERR_CONFIG: *field names the
+ *  first member that is null or out of range. JP_ERR_ARGUMENT: a pointer is null. Failures of the block as
+ *  jp_pose_field_init(). JP_ERR_OUTSIDE also: home is off the map. JP_ERR_BLOCKED: the robot cannot be there. Work:
+ * that of jp_pose_field_start(). */
+enum jp_status jp_home_init(struct jp_home *home, const struct jp_home_config *config, const char **field);
+
+/** Takes other costs for the field, as a tariff makes them of the same lattice; the field grows anew. */
+void jp_home_set_lattice(struct jp_home *home, const struct jp_lattice *lattice);
+
+/** Goes to a goal once the way home is known. Failures as jp_navigator_go(), which may also come later:
+ *  JP_HOME_FAILED. */
+enum jp_status jp_home_go(struct jp_home *home, const struct jp_goal *goal);
+
+/** Goes home, from wherever it is. Failures as jp_navigator_go(). */
+enum jp_status jp_home_return(struct jp_home *home);
+
+/** A slice of background work: jp_navigator_work(), and of the way home some poses of the field, a line of the course
+ *  or a leg of the survey. */
+enum jp_home_state jp_home_work(struct jp_home *home);
+
+/** Whether what is left brings the robot home from where it is. JP_ERR_NO_PLAN: no way home is known yet.
+ *  JP_ERR_EMPTY: the battery does not say what is left. JP_ERR_ARGUMENT: a pointer is null. Work: that of
+ *  jp_forecast_suffices(). */
+enum jp_status jp_home_ask(const struct jp_home *home, struct jp_home_answer *answer);
+
+/** What a way of this cost takes, of those of the same lattice: as the last one that was surveyed, which before the
+ * robot leaves is the one home from its goal, with what home has learned of drives. JP_ERR_ARGUMENT: a pointer is
+ * null. JP_ERR_NO_PLAN: none was surveyed yet. Work: two divisions and two square roots. */
+enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, unsigned drives, struct jp_forecast *way);
+
+/** The largest cost of a way for which what is left suffices at a confidence, ½…0.9999; 0: none does. Failures as
+ *  jp_home_expect(); JP_ERR_ARGUMENT also: the confidence is out of range. Work: 24 times that of jp_home_expect() and
+ *  jp_forecast_suffices(). */
+enum jp_status jp_home_farthest(const struct jp_home *home, const struct jp_forecast *left, jp_q31 confidence,
+                                unsigned drives, jp_cost *cost);
+
+/** A new robot's. */
+extern const struct jp_home_factor jp_home_factor_new;
+
+/** Learns from a drive that took so much, J above 0, where so much was forecast. A forecast that was not sure teaches
+ *  little. JP_ERR_ARGUMENT: a pointer is null, an energy not above 0, or a deviation negative. Work: six divisions and
+ *  two square roots. */
+enum jp_status jp_home_factor_learn(struct jp_home_factor *factor, jp_q16 taken, const struct jp_forecast *forecast);
+
+/** What a way takes by that factor. Work: two square roots. */
+struct jp_forecast jp_home_factor_way(const struct jp_home_factor *factor, const struct jp_forecast *forecast);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

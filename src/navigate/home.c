@@ -1,0 +1,527 @@
+#include <joulepath/home.h>
+
+#include <joulepath/count.h>
+#include <stddef.h>
+
+#include "src/base/integer.h"
+#include "src/learn/normal_quantile.h"
+#include "src/navigate/navigator_frame.h"
+#include "src/navigate/navigator_survey.h"
+
+/** Steps on level ground; a way of more tells what others take. */
+#define PRICE_STEPS 10U
+
+static const struct jp_terrain *terrain_of(const struct jp_home *home)
+{
+    return jp_planner_terrain(home->config.navigator->config.planner);
+}
+
+/* Where the robot is in the field. */
+
+/** Its pose on the field; where it stands nearer to obstacles than the lattice lets it, the pose beside it that is
+ *  nearest to home. */
+static jp_cost pose_here(const struct jp_home *home, const struct jp_place *place, struct jp_lattice_pose *pose)
+{
+    const struct jp_pose_field *field = &home->internal.field;
+    const jp_q16 cell = terrain_of(home)->config.resolution;
+    const uint8_t heading = jp_frame_nearest_heading(field->lattice, JP_ANY_HEADING, place->heading);
+
+    *pose = (struct jp_lattice_pose){(int16_t)(place->point.x / cell), (int16_t)(place->point.y / cell), heading};
+
+    const struct jp_lattice_pose centre = *pose;
+    jp_cost least = jp_pose_field_cost(field, centre.x, centre.y, heading);
+
+    if (least == JP_COST_MAX) {
+        for (int16_t i = 0; i < 9; i++) {
+            const struct jp_lattice_pose beside = {(int16_t)(centre.x + i % 3 - 1), (int16_t)(centre.y + i / 3 - 1),
+                                                   heading};
+            const jp_cost cost = jp_pose_field_cost(field, beside.x, beside.y, heading);
+
+            if (cost < least) {
+                least = cost;
+                *pose = beside;
+            }
+        }
+    }
+    return least;
+}
+
+/* The way home. */
+
+static jp_q16 left_now(const struct jp_home *home)
+{
+    struct jp_forecast left = {.energy = 0};
+
+    (void)home->config.left(home->config.context, &left);
+    return left.energy;
+}
+
+static void grow_anew(struct jp_home *home)
+{
+    home->internal.phase = JP_HOME_GROWS;
+    /* Checked by jp_home_init(). */
+    (void)jp_pose_field_start(&home->internal.field, JP_POSE_FIELD_TO_ROOT, home->config.x, home->config.y,
+                              JP_ANY_HEADING, JP_COST_MAX - 2U);
+}
+
+static void grow(struct jp_home *home)
+{
+    unsigned poses = home->config.slice;
+
+    if (jp_pose_field_grow(&home->internal.field, &poses)) {
+        home->internal.phase = JP_HOME_JOINS;
+        home->internal.survey.internal.course.answer = JP_COURSE_NO_ROUTE;
+    }
+}
+
+static jp_cost level_step(const struct jp_home *home)
+{
+    return jp_move_cost(&home->internal.field.lattice->move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS], 0);
+}
+
+static void keep_way(struct jp_home *home, const struct jp_forecast *energy)
+{
+    struct jp_home_internal *internal = &home->internal;
+    const struct jp_home_way way = {
+        .energy = *energy, .cost = internal->cost, .left = left_now(home), .is_known = true};
+
+    if (way.cost > PRICE_STEPS * level_step(home)) {
+        internal->price = way;
+    }
+    if (internal->is_from_goal) {
+        internal->is_goal_known = true;
+    } else {
+        home->ways = jp_one_more32(home->ways);
+        internal->way = way;
+    }
+    internal->is_from_goal = false;
+}
+
+static void join_anew(struct jp_home *home)
+{
+    home->internal.phase = JP_HOME_JOINS;
+    home->internal.survey.internal.course.answer = JP_COURSE_NO_ROUTE;
+}
+
+/** Where it arrives at the goal, looking away from home. */
+static struct jp_place goal_place(const struct jp_home *home)
+{
+    const struct jp_goal *goal = &home->internal.goal;
+    const jp_q16 cell = terrain_of(home)->config.resolution;
+
+    return (struct jp_place){
+        .point = {goal->x * cell + cell / 2, goal->y * cell + cell / 2},
+        .heading = jp_atan2(goal->y - home->config.y, goal->x - home->config.x),
+    };
+}
+
+/** From where the robot is; before it leaves, from its goal, too. */
+static void begin_course(struct jp_home *home)
+{
+    struct jp_navigator *survey = &home->internal.survey;
+
+    home->internal.is_from_goal = home->state == JP_HOME_PREPARING && home->internal.way.is_known;
+
+    const struct jp_place place =
+        home->internal.is_from_goal ? goal_place(home) : jp_navigator_place(home->config.navigator);
+    struct jp_lattice_pose pose;
+
+    home->internal.cost = pose_here(home, &place, &pose);
+    survey->internal.stand = place.point;
+    home->internal.heading = place.heading;
+    (void)jp_course_start_on_field(&survey->internal.course, &home->internal.field, &pose, &place.point);
+}
+
+/** A goal from which no course leads is left to the planner; and where the map has changed the field may be wrong. */
+static void end_join(struct jp_home *home, bool is_stuck)
+{
+    struct jp_home_internal *internal = &home->internal;
+
+    internal->is_goal_known = internal->is_goal_known || (internal->is_from_goal && is_stuck);
+    internal->is_stuck = !internal->is_from_goal && is_stuck;
+    if (is_stuck && jp_pose_field_is_outdated(&internal->field)) {
+        internal->is_stuck = false;
+        grow_anew(home);
+    }
+}
+
+static void join(struct jp_home *home)
+{
+    static const struct jp_forecast nothing = {0, 0};
+    struct jp_navigator *survey = &home->internal.survey;
+    struct jp_course *course = &survey->internal.course;
+
+    if (course->answer != JP_COURSE_JOINING) {
+        begin_course(home);
+    }
+    const enum jp_course_answer answer = jp_course_work(course);
+
+    if (answer != JP_COURSE_FOUND) {
+        end_join(home, answer != JP_COURSE_JOINING);
+        return;
+    }
+    end_join(home, false);
+    if (course->count == 0U) {
+        keep_way(home, &nothing);
+        join_anew(home);
+    } else {
+        home->internal.phase = JP_HOME_SURVEYS;
+        jp_survey_start(survey);
+    }
+}
+
+static void survey(struct jp_home *home)
+{
+    struct jp_navigator *survey = &home->internal.survey;
+    const struct jp_place from = {survey->internal.stand, home->internal.heading};
+    const enum jp_status status = jp_survey_work(survey, &from);
+
+    if (status == JP_OK) {
+        keep_way(home, &survey->internal.energy);
+    }
+    if (status != JP_WORKING) {
+        join_anew(home);
+    }
+}
+
+/** The vehicle surveys one thing at a time. */
+static void work_on_way(struct jp_home *home)
+{
+    const bool is_surveyed = home->config.navigator->state == JP_NAVIGATOR_JOINING;
+
+    if (home->internal.phase == JP_HOME_GROWS) {
+        grow(home);
+    } else if (home->internal.phase == JP_HOME_JOINS) {
+        join(home);
+    } else if (is_surveyed) {
+        join_anew(home);
+    } else {
+        survey(home);
+    }
+}
+
+/* What drives take. */
+
+static void begin_drive(struct jp_home *home)
+{
+    home->internal.drive = (struct jp_home_drive){.left = left_now(home)};
+}
+
+/** The forecast of its first course counts for the drive, as it did for those who asked before. */
+static void watch_drive(struct jp_home *home)
+{
+    struct jp_home_drive *drive = &home->internal.drive;
+    struct jp_progress progress;
+
+    if (!drive->has_forecast && jp_navigator_progress(home->config.navigator, &progress) == JP_OK) {
+        drive->forecast = progress.energy;
+        drive->has_forecast = true;
+    }
+}
+
+/* What is asked. */
+
+static jp_q16 root_of_squares(jp_q16 a, jp_q16 b)
+{
+    return jp_saturate32((int64_t)jp_square_root((uint64_t)((int64_t)a * a) + (uint64_t)((int64_t)b * b)));
+}
+
+static struct jp_forecast scaled(const struct jp_home_way *way, jp_cost cost)
+{
+    return (struct jp_forecast){jp_saturate32((int64_t)way->energy.energy * cost / (int64_t)way->cost),
+                                jp_saturate32((int64_t)way->energy.deviation * cost / (int64_t)way->cost)};
+}
+
+/** The last one, as much longer or shorter as the field says; where it says nothing, with all that was spent since. */
+static struct jp_forecast way_now(const struct jp_home *home, const struct jp_forecast *left)
+{
+    const struct jp_home_way *way = &home->internal.way;
+    const struct jp_place place = jp_navigator_place(home->config.navigator);
+    struct jp_lattice_pose pose;
+    const jp_cost cost = pose_here(home, &place, &pose);
+    struct jp_forecast now = way->energy;
+
+    if (cost == JP_COST_MAX || way->cost == 0U) {
+        const jp_q16 spent = jp_sub(way->left, left->energy);
+
+        now.energy = jp_add(now.energy, spent > 0 ? spent : 0);
+    } else {
+        now = scaled(way, cost);
+    }
+    return now;
+}
+
+/** What drives take beside their way: braking, turning round, standing. As much as some steps, give or take as much; of
+ *  how many drives. */
+static jp_q16 begin_energy(const struct jp_home *home, unsigned drives)
+{
+    const struct jp_home_way *price = &home->internal.price;
+
+    return price->is_known ? scaled(price, drives * PRICE_STEPS * level_step(home)).energy : 0;
+}
+
+/** With what home has learned of drives. No way takes nothing. */
+static struct jp_forecast driven(const struct jp_home *home, const struct jp_forecast *forecast, unsigned drives)
+{
+    const jp_q16 begin = begin_energy(home, drives);
+    struct jp_forecast way = jp_home_factor_way(&home->factor, forecast);
+
+    if (way.energy > 0) {
+        way.energy = jp_add(way.energy, begin);
+        way.deviation = root_of_squares(way.deviation, begin);
+    }
+    return way;
+}
+
+enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, unsigned drives, struct jp_forecast *way)
+{
+    if (home == NULL || way == NULL || drives > JP_HOME_DRIVES_MAX) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (!home->internal.price.is_known) {
+        return JP_ERR_NO_PLAN;
+    }
+    const struct jp_forecast forecast = scaled(&home->internal.price, cost);
+
+    *way = driven(home, &forecast, drives);
+    return JP_OK;
+}
+
+enum jp_status jp_home_farthest(const struct jp_home *home, const struct jp_forecast *left, jp_q31 confidence,
+                                unsigned drives, jp_cost *cost)
+{
+    if (home == NULL || left == NULL || cost == NULL || drives > JP_HOME_DRIVES_MAX ||
+        !jp_is_between(confidence, JP_PROBABILITY_MIN, JP_PROBABILITY_MAX)) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (!home->internal.price.is_known) {
+        return JP_ERR_NO_PLAN;
+    }
+    *cost = 0;
+    for (jp_cost bit = (JP_COST_MAX + 1U) / 2U; bit > 0U; bit /= 2U) {
+        struct jp_forecast way;
+        jp_q31 probability = 0;
+
+        (void)jp_home_expect(home, *cost + bit, drives, &way);
+        (void)jp_forecast_suffices(left, &way, &probability);
+        *cost += probability >= confidence ? bit : 0U;
+    }
+    return JP_OK;
+}
+
+enum jp_status jp_home_ask(const struct jp_home *home, struct jp_home_answer *answer)
+{
+    if (home == NULL || answer == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    if (!home->internal.way.is_known) {
+        return JP_ERR_NO_PLAN;
+    }
+    if (!home->config.left(home->config.context, &answer->left)) {
+        return JP_ERR_EMPTY;
+    }
+    const struct jp_forecast way = way_now(home, &answer->left);
+
+    answer->way = driven(home, &way, 1);
+    return jp_forecast_suffices(&answer->left, &answer->way, &answer->probability);
+}
+
+/* The drive. */
+
+static void end_drive(struct jp_home *home)
+{
+    const struct jp_home_drive *drive = &home->internal.drive;
+    const jp_q16 begin = begin_energy(home, 1);
+    const struct jp_forecast forecast = {drive->forecast.energy, root_of_squares(drive->forecast.deviation, begin)};
+
+    /* A drive without a course, or that took nothing, teaches nothing. */
+    (void)jp_home_factor_learn(&home->factor, jp_sub(jp_sub(drive->left, left_now(home)), begin), &forecast);
+}
+
+static void fail(struct jp_home *home)
+{
+    home->state = JP_HOME_FAILED;
+}
+
+enum jp_status jp_home_return(struct jp_home *home)
+{
+    if (home == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    const struct jp_goal goal = {.x = home->config.x, .y = home->config.y, .headings = JP_ANY_HEADING};
+    const enum jp_status status = jp_navigator_go_along(home->config.navigator, &goal, &home->internal.field);
+
+    if (status == JP_OK) {
+        begin_drive(home);
+        home->state = JP_HOME_RETURNING;
+    }
+    return status;
+}
+
+static bool must_return(const struct jp_home *home)
+{
+    struct jp_home_answer answer;
+
+    return home->config.confidence > 0 && jp_home_ask(home, &answer) == JP_OK &&
+           answer.probability < home->config.confidence;
+}
+
+static void turn_back(struct jp_home *home)
+{
+    home->has_turned_back = true;
+    if (jp_home_return(home) != JP_OK) {
+        fail(home);
+    }
+}
+
+static void leave(struct jp_home *home)
+{
+    if (home->internal.is_stuck) {
+        fail(home);
+    } else if (home->internal.way.is_known && home->internal.is_goal_known) {
+        home->state = JP_HOME_OUT;
+        begin_drive(home);
+        if (jp_navigator_go(home->config.navigator, &home->internal.goal) != JP_OK) {
+            fail(home);
+        }
+    } else {
+        /* It waits. */
+    }
+}
+
+/** A goal that cannot be had is no reason to stay out. */
+static void go_out(struct jp_home *home, enum jp_navigator_state state)
+{
+    if (state == JP_NAVIGATOR_ARRIVED) {
+        end_drive(home);
+        home->state = JP_HOME_AT_GOAL;
+    } else if (state > JP_NAVIGATOR_ARRIVED || must_return(home)) {
+        turn_back(home);
+    } else {
+        /* On its way. */
+    }
+}
+
+static void come_home(struct jp_home *home, enum jp_navigator_state state)
+{
+    if (state == JP_NAVIGATOR_ARRIVED) {
+        end_drive(home);
+        home->state = JP_HOME_HOME;
+    } else if (state > JP_NAVIGATOR_ARRIVED) {
+        fail(home);
+    } else {
+        /* On its way. */
+    }
+}
+
+enum jp_home_state jp_home_work(struct jp_home *home)
+{
+    const enum jp_navigator_state state = jp_navigator_work(home->config.navigator);
+
+    watch_drive(home);
+    work_on_way(home);
+    switch (home->state) {
+    case JP_HOME_PREPARING:
+        leave(home);
+        break;
+    case JP_HOME_OUT:
+        go_out(home, state);
+        break;
+    case JP_HOME_RETURNING:
+        come_home(home, state);
+        break;
+    default:
+        break;
+    }
+    return home->state;
+}
+
+enum jp_status jp_home_go(struct jp_home *home, const struct jp_goal *goal)
+{
+    if (home == NULL || goal == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    home->internal.goal = *goal;
+    home->internal.is_goal_known = false;
+    home->has_turned_back = false;
+    home->state = JP_HOME_PREPARING;
+    return JP_OK;
+}
+
+/* Preparation. */
+
+size_t jp_home_size(const struct jp_terrain_config *config)
+{
+    return jp_pose_field_size(config);
+}
+
+static const char *wrong_field(const struct jp_home_config *config)
+{
+    if (config->navigator == NULL) {
+        return "navigator";
+    }
+    if (config->confidence != 0 && !jp_is_between(config->confidence, JP_PROBABILITY_MIN, JP_PROBABILITY_MAX)) {
+        return "confidence";
+    }
+    if (config->left == NULL) {
+        return "left";
+    }
+    if (config->legs == NULL) {
+        return "legs";
+    }
+    if (config->legs_max == 0U) {
+        return "legs_max";
+    }
+    return config->slice == 0U ? "slice" : NULL;
+}
+
+/** As the navigator's, with legs of its own. */
+static void prepare_survey(struct jp_home *home)
+{
+    const struct jp_navigator *navigator = home->config.navigator;
+    struct jp_navigator *survey = &home->internal.survey;
+
+    *survey = (struct jp_navigator){.config = navigator->config, .internal = {.origin = navigator->internal.origin}};
+    survey->config.legs = home->config.legs;
+    survey->config.legs_max = home->config.legs_max;
+    survey->internal.ground = jp_frame_make_ground(survey);
+    survey->internal.course = navigator->internal.course;
+    survey->internal.course.config.legs = home->config.legs;
+    survey->internal.course.config.legs_max = home->config.legs_max;
+}
+
+enum jp_status jp_home_init(struct jp_home *home, const struct jp_home_config *config, const char **field)
+{
+    if (home == NULL || config == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
+    *field = wrong_field(config);
+    if (*field != NULL) {
+        return JP_ERR_CONFIG;
+    }
+    *home = (struct jp_home){.config = *config, .factor = jp_home_factor_new};
+
+    const struct jp_lattice *lattice = jp_planner_lattice(config->navigator->config.planner);
+    const struct jp_terrain *terrain = terrain_of(home);
+
+    if (!jp_terrain_contains(terrain, config->x, config->y)) {
+        return JP_ERR_OUTSIDE;
+    }
+    if (!jp_lattice_is_open(lattice, terrain, config->x, config->y)) {
+        return JP_ERR_BLOCKED;
+    }
+    const enum jp_status status =
+        jp_pose_field_init(&home->internal.field, lattice, JP_COST_PHYSICAL, terrain, config->block, config->size);
+
+    if (status == JP_OK) {
+        prepare_survey(home);
+        grow_anew(home);
+    }
+    return status;
+}
+
+void jp_home_set_lattice(struct jp_home *home, const struct jp_lattice *lattice)
+{
+    jp_pose_field_set_lattice(&home->internal.field, lattice);
+    grow_anew(home);
+}

@@ -1,0 +1,78 @@
+#include <joulepath/home.h>
+
+#include <stddef.h>
+
+#include "src/base/integer.h"
+
+#define RATIO_MIN     JP_Q16(0.5)
+#define RATIO_MAX     JP_Q16(2)
+#define NOISE_MIN     JP_Q16(0.015625)
+#define NOISE_MAX     JP_Q16_ONE
+#define DEVIATION_MAX JP_Q16(0.1)
+
+/** The mean is taken to be no better known than by so many drives: robots and their ground change. */
+#define MEMORY 16U
+
+/** Of what a drive tells of the noise. */
+#define NOISE_SHARE 4
+
+const struct jp_home_factor jp_home_factor_new = {.mean = JP_Q16(1.05), .deviation = JP_Q16(0.1), .noise = JP_Q16(0.1)};
+
+/** Of Q16, in Q32. */
+static int64_t square(jp_q16 x)
+{
+    return (int64_t)x * x;
+}
+
+static jp_q16 root(int64_t variance)
+{
+    return jp_saturate32((int64_t)jp_square_root((uint64_t)variance));
+}
+
+static jp_q16 clamped_ratio(int64_t over, int64_t under)
+{
+    const int64_t ratio = over * JP_Q16_ONE / under;
+
+    return ratio < RATIO_MIN ? RATIO_MIN : (jp_q16)(ratio < RATIO_MAX ? ratio : RATIO_MAX);
+}
+
+/** The relative deviation of a forecast, up to that of one of which nothing is known. */
+static jp_q16 relative_deviation(const struct jp_forecast *forecast)
+{
+    const int64_t ratio = (int64_t)forecast->deviation * JP_Q16_ONE / forecast->energy;
+
+    return (jp_q16)(ratio < JP_Q16_ONE ? ratio : JP_Q16_ONE);
+}
+
+enum jp_status jp_home_factor_learn(struct jp_home_factor *factor, jp_q16 taken, const struct jp_forecast *forecast)
+{
+    if (factor == NULL || forecast == NULL || taken <= 0 || forecast->energy <= 0 || forecast->deviation < 0) {
+        return JP_ERR_ARGUMENT;
+    }
+    const jp_q16 innovation = clamped_ratio(taken, forecast->energy) - factor->mean;
+    const int64_t known = square(factor->deviation);
+    const int64_t unsure = known + square(relative_deviation(forecast));
+    const int64_t noise = square(factor->noise);
+    const int64_t least = noise / (int64_t)MEMORY;
+    const int64_t total = unsure + noise;
+    const int64_t left = known - (known >> 16) * (known / (total >> 16));
+    const int64_t seen = square(innovation) > unsure ? square(innovation) - unsure : 0;
+    /* A forecast that is not sure says as little of the noise. */
+    const int64_t change = (seen - noise) / NOISE_SHARE / (total >> 16) * (noise >> 16);
+
+    factor->mean = jp_clamp32(factor->mean + jp_saturate32((int64_t)innovation * (known >> 8) / (total >> 8)),
+                              RATIO_MIN, RATIO_MAX);
+    factor->deviation = jp_clamp32(root(left > least ? left : least), 1, DEVIATION_MAX);
+    factor->noise = jp_clamp32(root(noise + change), NOISE_MIN, NOISE_MAX);
+    return JP_OK;
+}
+
+struct jp_forecast jp_home_factor_way(const struct jp_home_factor *factor, const struct jp_forecast *forecast)
+{
+    const jp_q16 share = root(square(factor->deviation) + square(factor->noise));
+    const jp_q16 energy = jp_q16_multiply(forecast->energy, factor->mean);
+    const jp_q16 of_learner = jp_q16_multiply(forecast->deviation, factor->mean);
+    const jp_q16 of_drives = jp_q16_multiply(forecast->energy, share);
+
+    return (struct jp_forecast){energy, root(square(of_learner) + square(of_drives))};
+}
