@@ -108,7 +108,8 @@ static void compare_with_new(enum jp_answer answer)
     const char *field = NULL;
     enum jp_answer found = JP_ANSWER_OUT_OF_BUDGET;
 
-    if (answer == JP_ANSWER_PARTIAL ||
+    /* Who is at the goal stays there, also where a change blocks it. */
+    if (answer == JP_ANSWER_PARTIAL || plan->step_count == 0U ||
         jp_planner_init(&second, &config, &terrain, second_block, sizeof second_block, &field) != JP_OK) {
         return;
     }
