@@ -12,7 +12,7 @@
 /* Of clearances between scans, m: a glide that has less than it should does not get nearer;
  * into a goal it keeps the latter, m. */
 #define NOISE         0.01f
-#define CLEARANCE_MIN 0.09f
+#define CLEARANCE_MIN 0.03f
 
 /* Between the poses that are checked, m, and how far a glide is looked ahead at its beginning. */
 #define STEP_LENGTH 0.1f
