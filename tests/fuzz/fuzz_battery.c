@@ -5,6 +5,7 @@
 #include <joulepath/battery.h>
 #include <joulepath/bus_meter.h>
 #include <joulepath/energy.h>
+#include <joulepath/tables.h>
 
 #include "tests/fuzz/fuzz_input.h"
 
@@ -18,9 +19,11 @@ static const struct jp_battery_config usual = {.capacity = 36000,
                                                .charge_efficiency = JP_Q16(0.95),
                                                .reserve = (jp_q31)1 << 27};
 
+static struct jp_battery_cells cells;
+
 static void check_battery(const struct jp_battery *battery, const struct jp_battery_config *config)
 {
-    const jp_charge capacity = (jp_charge)config->capacity << 32;
+    const jp_charge capacity = battery->capacity;
 
     fuzz_require(battery->charge >= 0 && battery->charge <= capacity, "a charge beyond the capacity");
     fuzz_require(jp_battery_level(battery) >= 0, "a state of charge below 0");
@@ -53,6 +56,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 
     use_meter(&input);
     FUZZ_CHANGE(&input, config);
+    cells = fuzz_bool(&input) ? jp_battery_cells_courier24 : jp_battery_cells_patrol;
+    FUZZ_CHANGE(&input, cells);
+    config.cells = fuzz_bool(&input) ? &cells : NULL;
     if (jp_battery_check(&config, &field) != JP_OK) {
         fuzz_require(field != NULL && field[0] != '\0', "a nameless field");
         return 0;

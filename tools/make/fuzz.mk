@@ -1,22 +1,22 @@
 # Fuzzing: clang's libFuzzer looks for inputs that take new branches.
 
 # In `make test` a target runs on its seeds and so many other inputs, the same each time: some seconds' worth.
-FUZZ_RUNS             ?= 2000
-FUZZ_RUNS.balancer_ecu = 100
-FUZZ_RUNS.line_path    = 600
-FUZZ_RUNS.balancer     = 1000
-FUZZ_RUNS.four_wheel_robot = 500
-FUZZ_RUNS.localiser    = 400
-FUZZ_RUNS.map_stream   = 600
-FUZZ_RUNS.patrol       = 1500
-FUZZ_RUNS.patrol_ecu   = 100
-FUZZ_RUNS.pilot        = 500
-FUZZ_RUNS.planner      = 200
-FUZZ_RUNS.robot_file   = 600
-FUZZ_RUNS.scenario     = 1200
-FUZZ_RUNS.skid_ecu     = 150
-FUZZ_SEED             ?= 1
-FUZZ_LIMIT            ?= 120
+FUZZ_RUNS                  ?= 6000
+FUZZ_RUNS.balancer          = 3000
+FUZZ_RUNS.balancer_ecu      = 300
+FUZZ_RUNS.four_wheel_robot  = 1500
+FUZZ_RUNS.line_path         = 2000
+FUZZ_RUNS.localiser         = 500
+FUZZ_RUNS.map_stream        = 2000
+FUZZ_RUNS.patrol            = 4000
+FUZZ_RUNS.patrol_ecu        = 300
+FUZZ_RUNS.pilot             = 2000
+FUZZ_RUNS.planner           = 800
+FUZZ_RUNS.robot_file        = 1500
+FUZZ_RUNS.scenario          = 2500
+FUZZ_RUNS.skid_ecu          = 400
+FUZZ_SEED                  ?= 1
+FUZZ_LIMIT                 ?= 180
 
 FUZZ := $(BUILD)/fuzz
 FUZZ_PROGRAMS = $(FUZZ_TARGETS:%=$(BUILD)/host-fuzz/%)
