@@ -80,7 +80,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
         } else {
             energy = (jp_energy)((uint64_t)energy + (uint64_t)((int64_t)(int32_t)fuzz_u32(&input) * 65536));
         }
-        fuzz_require((jp_battery_update(&battery, &config, energy, voltage) & ~63U) == 0U, "a flag that there is not");
+        fuzz_require((jp_battery_update(&battery, &config, energy, voltage) & ~127U) == 0U, "a flag that there is not");
         check_battery(&battery, &config);
     }
     return 0;
