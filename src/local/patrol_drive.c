@@ -36,22 +36,8 @@ static float goal_distance(const struct jp_patrol *patrol)
                            patrol->internal.goal.pose.y - patrol->pose.y);
 }
 
-/* From now until it has come to a stand, m. */
-static float stopping_distance(const struct jp_patrol_config *config, float speed)
-{
-    return speed * (config->latency + 0.5f * speed / config->teb.acceleration);
-}
-
-/* It would come to a stand at the goal or beyond it. */
-static bool must_stop_for_goal(const struct jp_patrol *patrol, const struct jp_plane_pose *there,
-                               const struct jp_plane_speed *speed)
-{
-    return speed->forward > 0.0f && jp_plane_magnitude(there->y) < patrol->config.position_tolerance &&
-           there->x <= stopping_distance(&patrol->config, speed->forward);
-}
-
-/* True within a third of the tolerance of the goal, within the tolerance once the robot stands, or when it must stop
- * for the goal. From then on the robot first comes to a stand. */
+/* True within a third of the tolerance of the goal, or within the tolerance once the goal is passed or the robot
+ * stands. From then on the robot first comes to a stand. */
 static bool is_at_goal(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const struct jp_plane_pose there = jp_plane_relative(&patrol->pose, &patrol->internal.goal.pose);
@@ -60,12 +46,9 @@ static bool is_at_goal(const struct jp_patrol *patrol, const struct jp_plane_spe
     const bool is_heading_due =
         !patrol->config.turns_in_place && goal_heading_error(patrol) > patrol->config.heading_tolerance;
 
-    if (patrol->internal.is_arriving || is_heading_due) {
-        return patrol->internal.is_arriving;
-    }
-    return 3.0f * away < tolerance || (away < tolerance && (there.x <= 0.0f || jp_patrol_is_standing(speed))) ||
-           (away < tolerance + stopping_distance(&patrol->config, jp_plane_magnitude(speed->forward)) &&
-            must_stop_for_goal(patrol, &there, speed));
+    return patrol->internal.is_arriving ||
+           (!is_heading_due && away < tolerance &&
+            (3.0f * away < tolerance || there.x <= 0.0f || jp_patrol_is_standing(speed)));
 }
 
 /* Whether any heading will do to reach the end of the window: the robot turns there afterwards. */
@@ -260,28 +243,13 @@ static void turn_first(struct jp_patrol *patrol, const struct jp_patrol_window *
     }
 }
 
-/* As hard as it may, to stand at the goal. */
-static void brake(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
-{
-    const struct jp_patrol_config *const config = &patrol->config;
-    const struct jp_plane_pose there = jp_plane_relative(&patrol->pose, &patrol->internal.goal.pose);
-    const float left = there.x - config->latency * speed->forward;
-
-    jp_patrol_stand(patrol);
-    if (left > 0.0f && speed->forward > 0.0f) {
-        patrol->internal.command.forward =
-            jp_plane_smaller(jp_plane_square_root(2.0f * config->teb.acceleration * left), speed->forward);
-    }
-}
-
 static void arrive(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     patrol->internal.is_arriving = true;
+    jp_patrol_stand(patrol);
     if (!jp_patrol_is_standing(speed)) {
-        brake(patrol, speed);
         return;
     }
-    jp_patrol_stand(patrol);
     if (goal_heading_error(patrol) > patrol->config.heading_tolerance) {
         jp_patrol_turn_to(patrol, patrol->internal.goal.pose.heading);
     } else if (goal_distance(patrol) > patrol->config.position_tolerance && jp_patrol_find_step_to_goal(patrol)) {

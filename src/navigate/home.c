@@ -170,10 +170,10 @@ static void join(struct jp_home *home)
     }
 }
 
-static void survey(struct jp_home *home)
+static void survey_leg(struct jp_home *home)
 {
     struct jp_navigator *survey = &home->internal.survey;
-    const struct jp_place from = {survey->internal.stand, home->internal.heading};
+    const struct jp_place from = {.point = survey->internal.stand, .heading = home->internal.heading};
     const enum jp_status status = jp_survey_work(survey, &from);
 
     if (status == JP_OK) {
@@ -196,7 +196,7 @@ static void work_on_way(struct jp_home *home)
     } else if (is_surveyed) {
         join_anew(home);
     } else {
-        survey(home);
+        survey_leg(home);
     }
 }
 
@@ -228,8 +228,8 @@ static jp_q16 root_of_squares(jp_q16 a, jp_q16 b)
 
 static struct jp_forecast scaled(const struct jp_home_way *way, jp_cost cost)
 {
-    return (struct jp_forecast){jp_saturate32((int64_t)way->energy.energy * cost / (int64_t)way->cost),
-                                jp_saturate32((int64_t)way->energy.deviation * cost / (int64_t)way->cost)};
+    return (struct jp_forecast){jp_saturate32((int64_t)way->energy.energy * (int64_t)cost / (int64_t)way->cost),
+                                jp_saturate32((int64_t)way->energy.deviation * (int64_t)cost / (int64_t)way->cost)};
 }
 
 /** The last one, as much longer or shorter as the field says; where it says nothing, with all that was spent since. */
@@ -510,8 +510,8 @@ enum jp_status jp_home_init(struct jp_home *home, const struct jp_home_config *c
     if (!jp_lattice_is_open(lattice, terrain, config->x, config->y)) {
         return JP_ERR_BLOCKED;
     }
-    const enum jp_status status =
-        jp_pose_field_init(&home->internal.field, lattice, JP_COST_PHYSICAL, terrain, config->block, config->size);
+    const enum jp_status status = jp_pose_field_init(&home->internal.field, lattice, JP_COST_PHYSICAL, terrain,
+                                                     home->config.block, home->config.size);
 
     if (status == JP_OK) {
         prepare_survey(home);

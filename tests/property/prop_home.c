@@ -459,6 +459,19 @@ static void test_plans_where_the_field_leads_no_more(void)
     }
 }
 
+static void test_plans_where_the_field_has_not_come_to(void)
+{
+    const struct jp_goal goal = {18, 4, JP_ANY_HEADING};
+
+    init_home();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_navigator_go_along(&navigator, &goal, &home.internal.field));
+    for (unsigned i = 0; i < CALLS_MAX && navigator.state != JP_NAVIGATOR_ARRIVED; i++) {
+        (void)jp_navigator_work(&navigator);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_ARRIVED, navigator.state);
+    expect_at(18, 4);
+}
+
 static void test_what_is_elsewhere_does_not_matter(void)
 {
     drive_to_the_middle();
