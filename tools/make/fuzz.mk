@@ -2,14 +2,15 @@
 
 # In `make test` a target runs on its seeds and so many other inputs, the same each time: some seconds' worth.
 FUZZ_RUNS                  ?= 6000
-FUZZ_RUNS.balancer          = 3000
+FUZZ_RUNS.balancer          = 1500
 FUZZ_RUNS.balancer_ecu      = 300
 FUZZ_RUNS.four_wheel_robot  = 1500
+FUZZ_RUNS.lattice           = 1500
 FUZZ_RUNS.line_path         = 2000
-FUZZ_RUNS.localiser         = 500
+FUZZ_RUNS.localiser         = 200
 FUZZ_RUNS.map_stream        = 2000
-FUZZ_RUNS.patrol            = 4000
-FUZZ_RUNS.patrol_ecu        = 300
+FUZZ_RUNS.patrol            = 1200
+FUZZ_RUNS.patrol_ecu        = 120
 FUZZ_RUNS.pilot             = 2000
 FUZZ_RUNS.planner           = 800
 FUZZ_RUNS.robot_file        = 1500
