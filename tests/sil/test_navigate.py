@@ -278,7 +278,6 @@ def test_robots_and_maps_that_do_not_fit(hall, tmp_path):
     gao = ROOT / "sim/robots/gao2018.cfg"
     assert_one_line_error(navigate(hall, tmp_path / "out", *TASK, robot=gao), "gao2018", "navigation")
     assert_one_line_error(navigate(hall, tmp_path / "out", *TASK, robot=ROVER), "cells of 0.1 m", "--resolution 0.2")
-    assert_one_line_error(navigate(coarse, tmp_path / "out", *TASK, "--bus=in-process", robot=ROVER), "--bus")
 
 
 def test_a_full_disk_leaves_nothing(hall, tmp_path):
