@@ -25,7 +25,7 @@
 #define VARIANCE_MOST    ONE_Q48
 
 /** What a gradient is limited to, V. */
-#define STEEPEST JP_Q24(16)
+#define SLOPE_MAX JP_Q24(16)
 
 typedef int64_t jp_covariance[JP_BATTERY_UNKNOWNS][JP_BATTERY_UNKNOWNS];
 
@@ -307,8 +307,8 @@ void jp_battery_expect(const struct jp_battery *battery, const struct jp_battery
     const jp_q24 share = jp_battery_share(battery);
     const struct jp_cell_point cell = jp_cell_at(cells, share);
     const jp_q24 relative = jp_divide(battery->capacity, (int32_t)(config->capacity << 8));
-    const jp_q24 by_charge = jp_clamp32(jp_q24_divide(cell.slope, relative), 0, STEEPEST);
-    const jp_q24 drop = jp_clamp32(jp_multiply_shift(cell.resistance, current, 16), -STEEPEST, STEEPEST);
+    const jp_q24 by_charge = jp_clamp32(jp_q24_divide(cell.slope, relative), 0, SLOPE_MAX);
+    const jp_q24 drop = jp_clamp32(jp_multiply_shift(cell.resistance, current, 16), -SLOPE_MAX, SLOPE_MAX);
     const jp_q24 sag = (jp_q24)jp_scaled(battery->filter.resistance >> 24, drop);
     const jp_q24 load_noise = jp_q24_multiply(cells->load_noise, sag);
 
@@ -319,7 +319,7 @@ void jp_battery_expect(const struct jp_battery *battery, const struct jp_battery
                      [JP_BATTERY_POLARISATION] = -JP_Q24_ONE,
                      [JP_BATTERY_RESISTANCE] = -drop,
                      [JP_BATTERY_CURVE] = JP_Q24_ONE,
-                     [JP_BATTERY_CAPACITY] = -jp_clamp32(jp_q24_multiply(by_charge, share), 0, STEEPEST)},
+                     [JP_BATTERY_CAPACITY] = -jp_clamp32(jp_q24_multiply(by_charge, share), 0, SLOPE_MAX)},
         .noise = (int64_t)cells->voltage_noise * cells->voltage_noise + (int64_t)load_noise * load_noise,
     };
 }

@@ -7,7 +7,7 @@
 #define COUNTED_MOST  JP_Q24(2)
 
 /** What a gradient is limited to. */
-#define STEEPEST JP_Q24(16)
+#define SLOPE_MAX JP_Q24(16)
 
 /** What the cells still have: F(z) = ∫ U dz from the reserve to the charge, and what the load loses. */
 struct remainder {
@@ -100,7 +100,7 @@ static jp_q24 by_offset(const struct jp_battery_config *config, jp_energy of_one
     if (config->load == 0) {
         return 0;
     }
-    return jp_clamp32(jp_divide(of_one / HOUR * 256, config->load), 0, STEEPEST);
+    return jp_clamp32(jp_divide(of_one / HOUR * 256, config->load), 0, SLOPE_MAX);
 }
 
 jp_energy jp_battery_cells_energy(const struct jp_battery *battery, const struct jp_battery_config *config)

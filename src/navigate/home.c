@@ -56,7 +56,7 @@ static jp_q16 given_now(const struct jp_home *home)
 /** Across a wrap, too. */
 static jp_q16 given_since(const struct jp_home *home, jp_q16 before)
 {
-    return (jp_q16)((uint32_t)given_now(home) - (uint32_t)before);
+    return (int32_t)((uint32_t)given_now(home) - (uint32_t)before);
 }
 
 static void grow_anew(struct jp_home *home)
