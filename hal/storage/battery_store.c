@@ -69,9 +69,7 @@ enum jp_status jp_battery_state_decode(struct jp_battery_state *state, const uin
         return JP_ERR_ARGUMENT;
     }
     *field = NULL;
-    if (length < 4U) {
-        *field = "length";
-    } else if (take(&record, 4) != JP_BATTERY_STORE_VERSION) {
+    if (length >= 4U && take(&record, 4) != JP_BATTERY_STORE_VERSION) {
         *field = "version";
     } else if (length != JP_BATTERY_STORE_LENGTH) {
         *field = "length";

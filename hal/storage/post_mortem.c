@@ -14,9 +14,11 @@ static uint32_t check_of(const struct jp_post_mortem *record)
     return jp_memory_check(CHECK_START, record, offsetof(struct jp_post_mortem, check));
 }
 
+/** Other memory may add up to it, too, but seldom holds what a record does. */
 static bool is_whole(const struct jp_post_mortem *record)
 {
-    return record->check == check_of(record);
+    return record->check == check_of(record) && record->crashes <= CRASHES_SATURATED &&
+           (uint32_t)record->crash.cause <= (uint32_t)JP_RESET_STACK;
 }
 
 static void count_crash(struct jp_post_mortem *record)

@@ -117,9 +117,9 @@ int64_t jp_multiply(int32_t a, int32_t b);
 inline int32_t jp_multiply_shift(int32_t a, int32_t b, unsigned shift)
 {
     int64_t half = (int64_t)1 << (shift - 1);
-    int64_t scaled = (jp_multiply(a, b) + half) >> shift;
+    int64_t shifted = (jp_multiply(a, b) + half) >> shift;
 
-    return shift >= 32U ? (int32_t)scaled : jp_saturate32(scaled);
+    return shift >= 32U ? (int32_t)shifted : jp_saturate32(shifted);
 }
 
 /** jp_multiply_shift() by a share of −1 to 1, which needs no limit; −1 of x > INT32_MIN only. In a build for size both

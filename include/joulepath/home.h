@@ -43,7 +43,10 @@ struct jp_home_config {
      * jp_battery_forecast_left() tells. False: it is not known.
      */
     bool (*left)(void *context, struct jp_forecast *left);
-    void *context;              /**< handed to it */
+    /** What the battery has given at its terminals since any moment, J in the same unit, wrapping: jp_meter.battery.
+     * What a drive took is told by it, as what is left changes with what becomes known of the battery, too. */
+    jp_q16 (*given)(void *context);
+    void *context;              /**< handed to both */
     struct jp_course_leg *legs; /**< the caller's memory for the way home */
     uint16_t legs_max;          /**< at least 1 */
     uint16_t slice;             /**< poses of the field of one call; at least 1 */
@@ -82,7 +85,7 @@ struct jp_home_factor {
 /** Private: from its begin to the goal, or home. */
 struct jp_home_drive {
     struct jp_forecast forecast; /**< of its first course */
-    jp_q16 left;                 /**< in the battery as it began, J */
+    jp_q16 given;                /**< by the battery before it began */
     bool has_forecast;
 };
 
@@ -93,7 +96,7 @@ enum jp_home_phase { JP_HOME_GROWS, JP_HOME_JOINS, JP_HOME_SURVEYS };
 struct jp_home_way {
     struct jp_forecast energy;
     jp_cost cost; /**< by the field */
-    jp_q16 left;  /**< in the battery then, J */
+    jp_q16 given; /**< by the battery then */
     bool is_known;
 };
 

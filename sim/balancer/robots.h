@@ -8,6 +8,7 @@
 #include <joulepath/lattice.h>
 #include <joulepath/learner.h>
 
+struct jp_battery_cells;
 struct jp_navigator_body;
 struct jp_robot_config;
 
@@ -20,8 +21,9 @@ struct robot_entry {
     const struct jp_learning *learning;
     const struct jp_horizon *horizon_battery;
     const struct jp_learning *learning_battery;
-    const struct jp_lattice *lattice; /**< these two, likewise */
+    const struct jp_lattice *lattice; /**< these three, likewise */
     const struct jp_navigator_body *navigation;
+    const struct jp_battery_cells *cells;
 };
 
 /** `robot_count` entries, then one with null pointers. */

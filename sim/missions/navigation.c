@@ -95,15 +95,35 @@ static jp_q16 vehicle_energy(const struct navigation *navigation, double joules)
     return (jp_q16)lround(ldexp(joules, 16 - navigation->robot->unit_exponent));
 }
 
-/** What it has given is metered; what was in it is not known so well. */
+/** Of cells what the robot knows; else what it has given is metered, and what was in it is not known so well. */
 static bool tell_left(void *context, struct jp_forecast *left)
 {
     const struct navigation *navigation = context;
     const struct navigation_battery *battery = navigation->task->battery;
 
+    if (battery->pack != NULL) {
+        *left = navigation_pack_left(battery->pack);
+        return true;
+    }
     *left = (struct jp_forecast){vehicle_energy(navigation, battery->believed - spent_of(navigation)),
                                  vehicle_energy(navigation, battery->deviation)};
     return true;
+}
+
+static jp_q16 tell_given(void *context)
+{
+    const struct navigation *navigation = context;
+    const struct navigation_battery *battery = navigation->task->battery;
+
+    return battery->pack != NULL ? navigation_pack_given(battery->pack)
+                                 : vehicle_energy(navigation, spent_of(navigation));
+}
+
+static bool is_empty(const struct navigation *navigation)
+{
+    const struct navigation_battery *battery = navigation->task->battery;
+
+    return battery->pack != NULL ? navigation_pack_is_empty(battery->pack) : spent_of(navigation) > battery->joules;
 }
 
 static double probability_of(const struct navigation *navigation, struct jp_home_answer *answer)
@@ -217,8 +237,7 @@ static enum jp_navigator_state work(struct navigation *navigation)
     if (state == JP_HOME_AT_GOAL) {
         (void)jp_home_return(&navigation->home);
     }
-    result->is_stranded =
-        result->is_stranded || (state != JP_HOME_HOME && spent_of(navigation) > navigation->task->battery->joules);
+    result->is_stranded = result->is_stranded || (state != JP_HOME_HOME && is_empty(navigation));
     return navigation->navigator.state;
 }
 
@@ -284,11 +303,19 @@ static void note_forecast(struct navigation *navigation)
     }
 }
 
+static bool has_pack(const struct navigation *navigation)
+{
+    return navigation->task->battery != NULL && navigation->task->battery->pack != NULL;
+}
+
 static void tick(struct navigation *navigation, uint64_t tick)
 {
     const uint64_t rate = (uint64_t)navigation->robot->rate_hz;
 
     navigation->robot->tick(navigation->robot->self);
+    if (has_pack(navigation)) {
+        navigation_pack_tick(navigation->task->battery->pack);
+    }
     if (tick % (rate / SENSOR_RATE) == 0) {
         const struct clearance_pose pose = pose_of(navigation);
 
@@ -332,6 +359,10 @@ static void conclude(struct navigation *navigation)
     if (navigation->task->battery != NULL && navigation->task->battery->factor != NULL) {
         *navigation->task->battery->factor = navigation->home.factor;
     }
+    if (has_pack(navigation)) {
+        result->charge = navigation_pack_charge(navigation->task->battery->pack);
+        result->least_bus_v = navigation->task->battery->pack->least_v;
+    }
     result->is_late = !is_over(navigation);
     result->goal_error_m = navigation_goal_error(navigation->task, &pose);
     if (navigation->robot->deviation != NULL) {
@@ -361,6 +392,21 @@ static bool drive(struct navigation *navigation)
 
 /* ---- Preparation ---- */
 
+/** The robot looks at its cells. */
+static bool prepare_pack(const struct navigation_task *task, const struct navigation_robot *robot)
+{
+    return task->battery == NULL || task->battery->pack == NULL ||
+           navigation_pack_start(task->battery->pack, robot, task->seed);
+}
+
+static void note_charge(struct navigation *navigation)
+{
+    if (has_pack(navigation)) {
+        navigation->result->charge_before = navigation_pack_charge(navigation->task->battery->pack);
+        navigation->task->battery->joules = navigation->result->charge_before.joules;
+    }
+}
+
 /** Where it begins. */
 static bool prepare_home(struct navigation *navigation)
 {
@@ -370,6 +416,7 @@ static bool prepare_home(struct navigation *navigation)
                                           .y = task->start.y,
                                           .confidence = (jp_q31)(task->battery->confidence * 0x1p31),
                                           .left = tell_left,
+                                          .given = tell_given,
                                           .context = navigation,
                                           .legs = navigation->home_legs,
                                           .legs_max = NAVIGATION_LEGS,
@@ -431,10 +478,11 @@ static void describe(struct navigation *navigation, const struct navigation_task
     navigation->start = navigation_start(task);
     navigation->before = navigation->start;
     navigation->way_size = jp_navigator_way_size(&task->map->config);
+    note_charge(navigation);
 }
 
-bool navigation_run(const struct navigation_task *task, const struct navigation_robot *robot,
-                    struct navigation_result *result)
+static bool run(const struct navigation_task *task, const struct navigation_robot *robot,
+                struct navigation_result *result)
 {
     struct navigation *navigation = calloc(1, sizeof *navigation);
     void *block = aligned_alloc(ALIGNMENT, (task->memory + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT);
@@ -458,4 +506,10 @@ bool navigation_run(const struct navigation_task *task, const struct navigation_
     free(navigation);
     free(block);
     return is_done;
+}
+
+bool navigation_run(const struct navigation_task *task, const struct navigation_robot *robot,
+                    struct navigation_result *result)
+{
+    return prepare_pack(task, robot) && run(task, robot, result);
 }

@@ -26,22 +26,63 @@ static double joules(const void *self)
 {
     const struct navigation_balancer *balancer = self;
 
-    return (double)jp_robot_meter(&balancer->rig.robot)->model / JOULE;
+    const struct jp_meter *meter = jp_robot_meter(&balancer->rig.robot);
+
+    return (double)(balancer->meter == JP_PILOT_BATTERY ? meter->battery : meter->model) / JOULE;
+}
+
+static void feed(void *self, const struct cell_constants *cell, const struct cell_wiring *wiring,
+                 const struct cell_condition *condition)
+{
+    struct navigation_balancer *balancer = self;
+
+    world_feed(&balancer->rig.world, cell, wiring, condition);
+}
+
+static jp_energy metered(const void *self)
+{
+    const struct navigation_balancer *balancer = self;
+
+    return jp_robot_meter(&balancer->rig.robot)->battery;
+}
+
+static jp_q16 bus_voltage(const void *self)
+{
+    const struct navigation_balancer *balancer = self;
+    const struct jp_sensors *frame = jp_robot_good_frame(&balancer->rig.robot);
+
+    return frame != NULL ? frame->bus_voltage : 0;
 }
 
 bool navigation_balancer_init(struct navigation_balancer *balancer, const struct robot_entry *entry,
                               const struct robot_file *file, const struct clearance_pose *start, uint64_t seed,
-                              struct navigation_robot *robot)
+                              enum jp_pilot_meter meter, struct navigation_robot *robot)
 {
-    const struct jp_pilot_config config = {.model = entry->energy, .learning = entry->learning};
+    const bool is_battery = meter == JP_PILOT_BATTERY;
+    const struct jp_pilot_config config = {.model = is_battery ? entry->energy_battery : entry->energy,
+                                           .learning = is_battery ? entry->learning_battery : entry->learning,
+                                           .meter = meter};
     const char *field;
 
+    if (config.model == NULL) {
+        error_line("%s: no energy model of its battery is built in; run make identify ROBOT=%s", entry->name,
+                   entry->name);
+        return false;
+    }
     balancer->start = *start;
+    balancer->meter = meter;
     *robot = (struct navigation_robot){.name = entry->name,
                                        .rate_hz = file->control.rate_hz,
                                        .body = navigation_body(file),
                                        .margin_m = file->navigation.margin_m / 2,
-                                       .unit_exponent = entry->energy->unit_exponent,
+                                       .unit_exponent = config.model->unit_exponent,
+                                       .supply = {.cells = entry->cells,
+                                                  .standing_w = file->electronics.power_w,
+                                                  .voltage_min_v = file->control.voltage_min_v,
+                                                  .feed = feed,
+                                                  .pack = &balancer->rig.world.pack,
+                                                  .metered = metered,
+                                                  .bus_voltage = bus_voltage},
                                        .self = balancer,
                                        .tick = tick,
                                        .pose = pose,

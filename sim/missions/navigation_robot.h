@@ -2,9 +2,25 @@
 #ifndef JOULEPATH_SIM_MISSIONS_NAVIGATION_ROBOT_H
 #define JOULEPATH_SIM_MISSIONS_NAVIGATION_ROBOT_H
 
+#include <joulepath/battery.h>
 #include <joulepath/vehicle.h>
 
+#include "sim/base/cell_pack.h"
 #include "sim/base/clearance.h"
+
+/** What feeds it: the constant supply of its file until it is fed by cells. */
+struct navigation_supply {
+    const struct jp_battery_cells *cells; /**< that its firmware knows; NULL: none */
+    double standing_w;                    /**< that it takes while it stands */
+    double voltage_min_v;                 /**< of the bus: below, it switches its motors off */
+    /** From now on cells feed it. */
+    void (*feed)(void *self, const struct cell_constants *cell, const struct cell_wiring *wiring,
+                 const struct cell_condition *condition);
+    const struct cell_pack *pack; /**< these */
+    /** Its own meter and its measured bus voltage. */
+    jp_energy (*metered)(const void *self);
+    jp_q16 (*bus_voltage)(const void *self);
+};
 
 /** Switched on and standing. */
 struct navigation_robot {
@@ -14,6 +30,7 @@ struct navigation_robot {
     struct clearance_robot body; /**< its rectangle */
     double margin_m;             /**< that it leaves its trajectory by at most */
     int32_t unit_exponent;       /**< of the energies of its vehicle (joulepath/energy.h) */
+    struct navigation_supply supply;
     void *self;
     /** One tick: control, physics. */
     void (*tick)(void *self);

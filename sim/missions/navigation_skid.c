@@ -5,6 +5,7 @@
 #include "sim/base/error.h"
 #include "sim/skid_steer/skid_hal_sim.h"
 
+#define Q16 65536.0
 #define Q24 16777216.0
 #define Q32 4294967296.0
 
@@ -41,6 +42,29 @@ static double given(const void *self)
     const struct navigation_skid *skid = self;
 
     return skid->world.plant.state.ledger.battery - skid->world.plant.state.ledger.supply;
+}
+
+static void feed(void *self, const struct cell_constants *cell, const struct cell_wiring *wiring,
+                 const struct cell_condition *condition)
+{
+    struct navigation_skid *skid = self;
+
+    skid_plant_feed(&skid->world.plant, cell, wiring, condition);
+}
+
+static jp_energy metered(const void *self)
+{
+    const struct navigation_skid *skid = self;
+
+    return jp_skid_robot_meter(&skid->controller)->battery;
+}
+
+static jp_q16 bus_voltage(const void *self)
+{
+    const struct navigation_skid *skid = self;
+    const struct jp_sensors *frame = jp_skid_robot_good_frame(&skid->controller);
+
+    return frame != NULL ? frame->bus_voltage : 0;
 }
 
 /** The root of the larger eigenvalue of the covariance. */
@@ -132,6 +156,13 @@ bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_
                                        .body = navigation_skid_body(model),
                                        .margin_m = model->navigation.margin_m / 2,
                                        .unit_exponent = entry->energy->unit_exponent,
+                                       .supply = {.cells = entry->cells,
+                                                  .standing_w = model->electronics.power_w,
+                                                  .voltage_min_v = entry->config->monitor.voltage_min / Q16,
+                                                  .feed = feed,
+                                                  .pack = &skid->world.plant.pack,
+                                                  .metered = metered,
+                                                  .bus_voltage = bus_voltage},
                                        .self = skid,
                                        .tick = tick,
                                        .pose = pose,

@@ -6,6 +6,7 @@
 
 #include "sim/base/clearance.h"
 #include "sim/files/map_file.h"
+#include "sim/missions/navigation_pack.h"
 
 /** A cell that the sensor has seen to be otherwise than the map says. */
 struct navigation_sight {
@@ -43,10 +44,9 @@ struct navigation_battery {
     double joules;                 /**< truly */
     double believed;               /**< by the battery's own estimate, */
     double deviation;              /**< which states this deviation */
+    struct navigation_pack *pack;  /**< NULL: the above; else cells with a charge, which navigation_run() starts */
     double confidence;             /**< with which the robot shall come home; below it it turns back; 0: never */
     struct jp_home_factor *factor; /**< what it has learned of courses, kept; NULL: a new robot's */
-    /** When all is known that can be before it leaves: what the way to the goal and home takes by the return map, J;
-     * NULL: nobody asks. May change what is in the battery. */
     /** Of each cell, row by row from the south, before the robot leaves: how probably it goes there and comes home, %;
      * −1: no way leads there. NULL: nobody asks. */
     int8_t *reach;
@@ -94,9 +94,12 @@ struct navigation_result {
     double planned_joules;  /**< of the first route, by the prices of the lattice; 0: there was none in time */
     double forecast_joules; /**< of the first course */
     double deviation_joules;
-    enum jp_home_state home; /**< at the end, of a robot with a battery */
-    double given_joules;     /**< by the battery at its terminals */
-    bool is_stranded;        /**< the battery was empty before it was home */
+    enum jp_home_state home;                /**< at the end, of a robot with a battery */
+    double given_joules;                    /**< by the battery at its terminals */
+    bool is_stranded;                       /**< the battery was empty, or the bus too low, before it was home */
+    struct navigation_charge charge_before; /**< of cells, as it was told where to go */
+    struct navigation_charge charge;        /**< the same at the end */
+    double least_bus_v;                     /**< of cells */
     bool has_turned_back;
     double least_probability; /**< of coming home, on the way out */
     double trip_joules;       /**< out and home by the return map, before it left; 0: nobody asked, or no way */

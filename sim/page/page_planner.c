@@ -254,7 +254,7 @@ static bool switch_on(const struct clearance_pose *start)
 
     if (page.kind == BALANCER) {
         return navigation_balancer_init(&page.balancer, rig_find_robot(name), page_balancers[page.number], start,
-                                        page.task.seed, &page.robot);
+                                        page.task.seed, JP_PILOT_MOTORS, &page.robot);
     }
     const struct skid_robot_entry *entry = skid_robot_find(name);
 

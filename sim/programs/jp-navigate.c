@@ -38,7 +38,15 @@
 #define IN_PROCESS  "in-process"
 #define FRAMES_NAME "frames.log"
 
-enum { OPTION_BOXES = PLAN_OPTION_OWN, OPTION_VIEW, OPTION_PATIENCE, OPTION_FRAMES, OPTION_BATTERY, OPTION_HOME };
+enum {
+    OPTION_BOXES = PLAN_OPTION_OWN,
+    OPTION_VIEW,
+    OPTION_PATIENCE,
+    OPTION_FRAMES,
+    OPTION_BATTERY,
+    OPTION_CHARGE,
+    OPTION_HOME
+};
 
 struct arguments {
     struct plan_arguments plan; /* first: plan_arguments_take() looks at it */
@@ -46,9 +54,10 @@ struct arguments {
     double view_m;
     const char *bus; /* NULL: no ECU, but the navigator itself */
     unsigned patience;
-    bool frames;         /* are logged */
-    double battery_j;    /* 0: it lasts, and the robot stays at the goal */
-    double home_percent; /* with which the robot shall come home */
+    bool frames;           /* are logged */
+    double battery_j;      /* 0: it lasts, and the robot stays at the goal */
+    double charge_percent; /* of cells; below 0: it has none */
+    double home_percent;   /* with which the robot shall come home */
 };
 
 /* ---- Command line ---- */
@@ -60,6 +69,12 @@ static void check(const struct arguments *arguments, struct argp_state *state)
     }
     if (arguments->battery_j > 0 && arguments->bus != NULL) {
         command_line_refuse(state, "--battery: the ECU does not know its way home; leave --bus out");
+    }
+    if (arguments->charge_percent >= 0 && arguments->bus != NULL) {
+        command_line_refuse(state, "--charge: the ECU does not know its way home; leave --bus out");
+    }
+    if (arguments->charge_percent >= 0 && arguments->battery_j > 0) {
+        command_line_refuse(state, "--charge: the cells say what --battery would; leave one out");
     }
 }
 
@@ -82,6 +97,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case OPTION_BATTERY:
         arguments->battery_j = command_line_real(state, "--battery", argument, 1, 1e7);
+        return 0;
+    case OPTION_CHARGE:
+        arguments->charge_percent = command_line_real(state, "--charge", argument, 0, 100);
         return 0;
     case OPTION_HOME:
         arguments->home_percent = command_line_real(state, "--home", argument, 50, 99.99);
@@ -170,6 +188,30 @@ static json_t *json_home(const struct navigation_task *task, const struct naviga
                      json_reach(&task->map->config, task->battery->reach));
 }
 
+static json_t *json_charge(const struct navigation_charge *charge)
+{
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "true", charge->charge, "known", charge->known, "deviation",
+                     charge->deviation, "left_j", charge->joules, "left_known_j", charge->known_joules,
+                     "left_deviation_j", charge->joules_deviation);
+}
+
+static json_t *json_cells(const struct navigation_result *result)
+{
+    return json_pack("{s:o, s:o, s:f}", "before", json_charge(&result->charge_before), "after",
+                     json_charge(&result->charge), "least_bus_v", result->least_bus_v);
+}
+
+static void print_charge(const struct navigation_result *result)
+{
+    const struct navigation_charge *charge = &result->charge;
+
+    (void)printf("%-24s %8.2f %%, known as %.2f ± %.2f %%\n", "state of charge", 100 * charge->charge,
+                 100 * charge->known, 100 * charge->deviation);
+    (void)printf("%-24s %8.1f J, known as %.1f ± %.1f J\n", "energy left", charge->joules, charge->known_joules,
+                 charge->joules_deviation);
+    (void)printf("%-24s %8.2f V\n", "bus, least", result->least_bus_v);
+}
+
 static void print_home(const struct navigation_task *task, const struct navigation_result *result)
 {
     (void)printf("%-24s %s%s%s\n", "home", home_name(result->home), result->has_turned_back ? ", turned back" : "",
@@ -178,6 +220,9 @@ static void print_home(const struct navigation_task *task, const struct navigati
                  result->trip_deviation_joules);
     (void)printf("%-24s %8.1f J of %.1f J\n", "out of the battery", result->given_joules, task->battery->joules);
     (void)printf("%-24s %8.2f %%\n", "coming home, least", 100 * result->least_probability);
+    if (task->battery->pack != NULL) {
+        print_charge(result);
+    }
 }
 
 static json_t *json_summary(const struct arguments *arguments, const struct map_file *map, const char *map_path,
@@ -297,10 +342,11 @@ static bool switch_on(const struct lattice_robot *robot, const struct navigation
     static struct navigation_balancer balancer;
     static struct navigation_skid skid;
     const struct clearance_pose start = navigation_start(task);
+    const bool is_fed = task->battery != NULL && task->battery->pack != NULL;
 
     if (robot->balancer.model != NULL) {
         return navigation_balancer_init(&balancer, rig_find_robot(robot->name), &robot->balancer.file, &start,
-                                        task->seed, driven);
+                                        task->seed, is_fed ? JP_PILOT_BATTERY : JP_PILOT_MOTORS, driven);
     }
     static struct skid_classes classes;
     const struct skid_robot_entry *entry = skid_robot_find(robot->name);
@@ -369,6 +415,9 @@ static int drive(const struct arguments *arguments, struct map_file *map, const 
 
         (void)(bus != NULL && json_object_set_new(summary, "bus", bus) == 0);
         (void)(task.battery != NULL && json_object_set_new(summary, "home", json_home(&task, &result)) == 0);
+        if (task.battery != NULL && task.battery->pack != NULL) {
+            (void)json_object_set_new(summary, "cells", json_cells(&result));
+        }
         is_done = output_json(arguments->plan.common.output, "summary.json", summary);
     }
     navigation_record_free(&record);
@@ -414,13 +463,16 @@ static int navigate(const struct arguments *arguments, struct map_file *map, con
                                    .memory = arguments->plan.memory,
                                    .patience = SECONDS_MAX,
                                    .seed = arguments->plan.common.seed};
-    struct navigation_battery battery = {.joules = arguments->battery_j,
+    struct navigation_pack pack = {.charge = arguments->charge_percent / 100};
+    const bool is_fed = arguments->charge_percent >= 0;
+    struct navigation_battery battery = {.pack = is_fed ? &pack : NULL,
+                                         .joules = arguments->battery_j,
                                          .believed = arguments->battery_j,
                                          .deviation = BATTERY_DEVIATION * arguments->battery_j,
                                          .confidence = arguments->home_percent / 100,
                                          .reach = calloc(map->terrain.config.width, map->terrain.config.height)};
 
-    task.battery = arguments->battery_j > 0 && battery.reach != NULL ? &battery : NULL;
+    task.battery = (is_fed || arguments->battery_j > 0) && battery.reach != NULL ? &battery : NULL;
 
     char *path = realpath(arguments->plan.map_path, NULL);
     const int status = drive(arguments, map, path != NULL ? path : arguments->plan.map_path, robot, &world, &task);
@@ -448,6 +500,8 @@ int main(int argc, char **argv)
          "also write DIR/" FRAMES_NAME ", all frames as candump -L does, in simulated time", 0},
         {"battery", OPTION_BATTERY, "JOULES", 0,
          "the battery holds so much: the robot comes home again, and turns back in time", 0},
+        {"charge", OPTION_CHARGE, "PERCENT", 0,
+         "the same with the robot's cells, which feed it, at this charge, of which it has but an idea", 0},
         {"home", OPTION_HOME, "PERCENT", 0, "how sure it shall be to come home (99.9)", 0},
         OPTION_SEED("of the boxes and of all noise"),
         OPTION_OUTPUT("build/navigate"),
@@ -459,7 +513,8 @@ int main(int argc, char **argv)
         "MAP.json",
         "A robot finds its way over a map (tools.design.import_map) to a goal, in closed loop, while it sees boxes "
         "that the map does not show.\v"
-        "Exit status: 0 it arrived, with --battery at its goal and home or home in time, and touched nothing; 1 not: "
+        "Exit status: 0 it arrived, with --battery or --charge at its goal and home or home in time, and touched "
+        "nothing; 1 not: "
         "the outputs say why; 2 bad input, nothing was written.",
         NULL,
         NULL,
@@ -470,6 +525,7 @@ int main(int argc, char **argv)
         .boxes = BOXES,
         .view_m = VIEW,
         .patience = BUS_DRIVE_PATIENCE,
+        .charge_percent = -1,
         .home_percent = HOME_PERCENT,
     };
     struct map_file map;

@@ -2,6 +2,7 @@
 #ifndef JOULEPATH_SIM_SKID_STEER_SKID_ROBOTS_H
 #define JOULEPATH_SIM_SKID_STEER_SKID_ROBOTS_H
 
+#include <joulepath/battery.h>
 #include <joulepath/lattice.h>
 #include <joulepath/navigator_body.h>
 #include <joulepath/path_speed.h>
@@ -19,6 +20,7 @@ struct skid_robot_entry {
     const struct jp_skid_steer_config *priced;   /**< by whose formulas its lattices are priced */
     const struct jp_navigator_body *navigation;  /**< NULL: it is not made for that */
     const struct jp_lattice *navigation_lattice; /**< of the disc in which it turns */
+    const struct jp_battery_cells *cells;        /**< of its battery */
 };
 
 /** The robot of this name, or NULL. */

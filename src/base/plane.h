@@ -102,12 +102,15 @@ static inline float jp_plane_clamp(float x, float low, float high)
     return x < low ? low : x > high ? high : x;
 }
 
-/** Angle of (x, y), to 2⁻²²; 0 for (0, 0). */
+/** Shorter vectors have no direction: 2³⁰ over them would be no number. */
+#define JP_PLANE_SHORT 0x1p-96f
+
+/** Angle of (x, y), to 2⁻²²; 0 for (0, 0) and what is as short as JP_PLANE_SHORT. */
 inline float jp_plane_bearing(float x, float y)
 {
     const float longest = jp_plane_magnitude(x) > jp_plane_magnitude(y) ? jp_plane_magnitude(x) : jp_plane_magnitude(y);
 
-    if (!(longest > 0.0f)) {
+    if (!(longest > JP_PLANE_SHORT)) {
         return 0.0f;
     }
 

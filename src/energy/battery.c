@@ -238,7 +238,8 @@ static uint32_t measure(struct jp_battery *battery, const struct jp_battery_conf
 
     const uint8_t surprises = second->surprises;
     const bool is_spoilt = second->is_spoilt;
-    const jp_q24 of_one = jp_divide(second->voltage * 256, (int32_t)(config->update_rate * config->cells->series));
+    const int64_t readings = (int64_t)config->update_rate * config->cells->series;
+    const jp_q24 of_one = jp_divide(second->voltage * 256, (int32_t)readings);
 
     battery->current = jp_saturate32(second->drawn >> 16);
     *second = (struct jp_battery_second){.surprises = surprises};

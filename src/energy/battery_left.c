@@ -79,9 +79,10 @@ static jp_q24 counted_more(const struct jp_battery *battery, const struct jp_bat
 {
     const jp_q16 load = config->load;
 
-    return load == 0
-               ? JP_Q24_ONE
-               : jp_clamp32(jp_q24_divide(load, jp_sub(load, offset_of(battery, config))), COUNTED_LEAST, COUNTED_MOST);
+    if (load == 0) {
+        return JP_Q24_ONE;
+    }
+    return jp_clamp32(jp_q24_divide(load, jp_sub(load, offset_of(battery, config))), COUNTED_LEAST, COUNTED_MOST);
 }
 
 /** What is left, J in Q32, of one cell, as the cells give it. */
@@ -125,5 +126,5 @@ jp_energy jp_battery_cells_deviation(const struct jp_battery *battery, const str
     };
     const jp_q24 of_one = jp_battery_deviation(jp_battery_variance(&battery->filter, gradient));
 
-    return (int64_t)of_one * (int32_t)(config->capacity * config->cells->series) * 256;
+    return (int64_t)of_one * (int64_t)config->capacity * (int64_t)config->cells->series * 256;
 }

@@ -64,5 +64,7 @@ jp_q31 jp_normal_probability(jp_q16 deviations)
     if (deviations >= 0) {
         return upper_probability(deviations);
     }
-    return (jp_q31)(((uint32_t)1 << 31) - (uint32_t)upper_probability(jp_saturate32(-(int64_t)deviations)));
+    const int64_t above = upper_probability(jp_saturate32(-(int64_t)deviations));
+
+    return jp_saturate32(((int64_t)1 << 31) - above);
 }

@@ -229,7 +229,7 @@ static void compare_beam(const struct jp_wall_field *field, struct jp_plane_poin
 {
     const struct jp_plane_point beam = {end.x - from.x, end.y - from.y};
     const float range = jp_plane_length(beam.x, beam.y);
-    const float inverse = 1.0f / range;
+    const float inverse = range > JP_PLANE_SHORT ? 1.0f / range : 0.0f;
     const struct jp_plane_point along = {beam.x * inverse, beam.y * inverse};
 
     const bool is_through = jp_wall_field_ray(field, from, along, range) < range - BEHIND * field->cell;

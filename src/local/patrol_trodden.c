@@ -116,11 +116,12 @@ void jp_patrol_occupy_trodden(const struct jp_patrol *patrol, const struct jp_pl
                               struct jp_terrain *marked)
 {
     const struct jp_footprint *const footprint = &patrol->config.teb.footprint;
-    const struct brush brush = {
-        .kept = {&patrol->pose, goal},
+    struct brush brush = {
         .reach = ROOM + jp_plane_length(jp_plane_larger(footprint->front, footprint->rear), footprint->half_width),
         .clearance = clearance};
 
+    brush.kept[0] = &patrol->pose;
+    brush.kept[1] = goal;
     paint_all(patrol, &brush, marked);
 }
 

@@ -215,7 +215,10 @@ static void look_at_stander(const struct jp_patrol *patrol, const struct jp_move
                             const struct jp_plane_pose *pose, float speed, struct yield_outlook *outlook)
 {
     const struct jp_footprint *const footprint = &patrol->config.teb.footprint;
-    const struct jp_obstacle place = {.vertices = {mover->centre}, .vertex_count = 1, .radius = mover->radius};
+    struct jp_obstacle place = {.vertex_count = 1, .radius = mover->radius};
+
+    place.vertices[0] = mover->centre;
+
     const float distance = jp_obstacle_distance(footprint, pose, &place, NULL);
     const float clearance = clearance_at(patrol, speed);
 

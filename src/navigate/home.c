@@ -48,12 +48,15 @@ static jp_cost pose_here(const struct jp_home *home, const struct jp_place *plac
 
 /* The way home. */
 
-static jp_q16 left_now(const struct jp_home *home)
+static jp_q16 given_now(const struct jp_home *home)
 {
-    struct jp_forecast left = {.energy = 0};
+    return home->config.given(home->config.context);
+}
 
-    (void)home->config.left(home->config.context, &left);
-    return left.energy;
+/** Across a wrap, too. */
+static jp_q16 given_since(const struct jp_home *home, jp_q16 before)
+{
+    return (jp_q16)((uint32_t)given_now(home) - (uint32_t)before);
 }
 
 static void grow_anew(struct jp_home *home)
@@ -83,7 +86,7 @@ static void keep_way(struct jp_home *home, const struct jp_forecast *energy)
 {
     struct jp_home_internal *internal = &home->internal;
     const struct jp_home_way way = {
-        .energy = *energy, .cost = internal->cost, .left = left_now(home), .is_known = true};
+        .energy = *energy, .cost = internal->cost, .given = given_now(home), .is_known = true};
 
     if (way.cost > PRICE_STEPS * level_step(home)) {
         internal->price = way;
@@ -170,10 +173,10 @@ static void join(struct jp_home *home)
     }
 }
 
-static void survey(struct jp_home *home)
+static void survey_leg(struct jp_home *home)
 {
     struct jp_navigator *survey = &home->internal.survey;
-    const struct jp_place from = {survey->internal.stand, home->internal.heading};
+    const struct jp_place from = {.point = survey->internal.stand, .heading = home->internal.heading};
     const enum jp_status status = jp_survey_work(survey, &from);
 
     if (status == JP_OK) {
@@ -196,7 +199,7 @@ static void work_on_way(struct jp_home *home)
     } else if (is_surveyed) {
         join_anew(home);
     } else {
-        survey(home);
+        survey_leg(home);
     }
 }
 
@@ -204,7 +207,7 @@ static void work_on_way(struct jp_home *home)
 
 static void begin_drive(struct jp_home *home)
 {
-    home->internal.drive = (struct jp_home_drive){.left = left_now(home)};
+    home->internal.drive = (struct jp_home_drive){.given = given_now(home)};
 }
 
 /** The forecast of its first course counts for the drive, as it did for those who asked before. */
@@ -228,12 +231,12 @@ static jp_q16 root_of_squares(jp_q16 a, jp_q16 b)
 
 static struct jp_forecast scaled(const struct jp_home_way *way, jp_cost cost)
 {
-    return (struct jp_forecast){jp_saturate32((int64_t)way->energy.energy * cost / (int64_t)way->cost),
-                                jp_saturate32((int64_t)way->energy.deviation * cost / (int64_t)way->cost)};
+    return (struct jp_forecast){jp_saturate32((int64_t)way->energy.energy * (int64_t)cost / (int64_t)way->cost),
+                                jp_saturate32((int64_t)way->energy.deviation * (int64_t)cost / (int64_t)way->cost)};
 }
 
 /** The last one, as much longer or shorter as the field says; where it says nothing, with all that was spent since. */
-static struct jp_forecast way_now(const struct jp_home *home, const struct jp_forecast *left)
+static struct jp_forecast way_now(const struct jp_home *home)
 {
     const struct jp_home_way *way = &home->internal.way;
     const struct jp_place place = jp_navigator_place(home->config.navigator);
@@ -242,7 +245,7 @@ static struct jp_forecast way_now(const struct jp_home *home, const struct jp_fo
     struct jp_forecast now = way->energy;
 
     if (cost == JP_COST_MAX || way->cost == 0U) {
-        const jp_q16 spent = jp_sub(way->left, left->energy);
+        const jp_q16 spent = given_since(home, way->given);
 
         now.energy = jp_add(now.energy, spent > 0 ? spent : 0);
     } else {
@@ -320,7 +323,7 @@ enum jp_status jp_home_ask(const struct jp_home *home, struct jp_home_answer *an
     if (!home->config.left(home->config.context, &answer->left)) {
         return JP_ERR_EMPTY;
     }
-    const struct jp_forecast way = way_now(home, &answer->left);
+    const struct jp_forecast way = way_now(home);
 
     answer->way = driven(home, &way, 1);
     return jp_forecast_suffices(&answer->left, &answer->way, &answer->probability);
@@ -335,7 +338,7 @@ static void end_drive(struct jp_home *home)
     const struct jp_forecast forecast = {drive->forecast.energy, root_of_squares(drive->forecast.deviation, begin)};
 
     /* A drive without a course, or that took nothing, teaches nothing. */
-    (void)jp_home_factor_learn(&home->factor, jp_sub(jp_sub(drive->left, left_now(home)), begin), &forecast);
+    (void)jp_home_factor_learn(&home->factor, jp_sub(given_since(home, drive->given), begin), &forecast);
 }
 
 static void fail(struct jp_home *home)
@@ -466,6 +469,9 @@ static const char *wrong_field(const struct jp_home_config *config)
     if (config->left == NULL) {
         return "left";
     }
+    if (config->given == NULL) {
+        return "given";
+    }
     if (config->legs == NULL) {
         return "legs";
     }
@@ -510,8 +516,8 @@ enum jp_status jp_home_init(struct jp_home *home, const struct jp_home_config *c
     if (!jp_lattice_is_open(lattice, terrain, config->x, config->y)) {
         return JP_ERR_BLOCKED;
     }
-    const enum jp_status status =
-        jp_pose_field_init(&home->internal.field, lattice, JP_COST_PHYSICAL, terrain, config->block, config->size);
+    const enum jp_status status = jp_pose_field_init(&home->internal.field, lattice, JP_COST_PHYSICAL, terrain,
+                                                     home->config.block, home->config.size);
 
     if (status == JP_OK) {
         prepare_survey(home);

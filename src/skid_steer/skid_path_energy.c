@@ -46,12 +46,13 @@ static jp_q24 grade_of(const struct jp_path_piece *piece)
     return piece->kind == JP_PIECE_CURVE ? jp_clamp32(jp_piece_grade(piece), -GRADE_MAX, GRADE_MAX) : 0;
 }
 
-/** From one place to the next, in which speed and curvature change evenly. */
+/** From one place to the next, in which speed and curvature change evenly. A way so short that its speeds are 0 takes
+ * nothing. */
 static void add_part(struct drive_sum *sum, const struct leg_of_path *on, const struct speed_mark *from,
                      const struct speed_mark *to)
 {
     const jp_q24 mean = from->speed / 2 + to->speed / 2;
-    const jp_q16 lasts = jp_q16_divide(to->way - from->way, mean);
+    const jp_q16 lasts = mean > 0 ? jp_q16_divide(to->way - from->way, mean) : 0;
     const struct jp_skid_piece part = {
         .start = motion_at(on, from),
         .end = motion_at(on, to),
@@ -84,7 +85,7 @@ static jp_q24 next_place(const struct leg_of_path *on, const struct speed_mark *
     for (unsigned i = 0; i < sizeof places / sizeof places[0]; i++) {
         nearest = places[i] > from->way && places[i] < nearest ? places[i] : nearest;
     }
-    if (from->way >= on->reached && from->way < piece->speed.brake_from) {
+    if (from->speed > 0 && from->way >= on->reached && from->way < piece->speed.brake_from) {
         const jp_q24 most = jp_multiply_shift(from->speed, DURATION_MAX, 16); /* at the cruise */
 
         nearest = nearest - from->way > most ? from->way + most : nearest;

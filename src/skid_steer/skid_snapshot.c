@@ -3,6 +3,7 @@
 
 #include "src/base/config_check.h"
 #include "src/base/integer.h"
+#include "src/skid_steer/skid_tilt.h"
 
 #define ONE ((int32_t)1 << 30) /* Q30, as the odometry's filters have it */
 
@@ -42,7 +43,7 @@ static bool is_sound(const struct jp_skid_snapshot *snapshot)
         FIELD(gyro_bias, -JP_Q24_ONE, JP_Q24_ONE),
         FIELD(steering_ratio, JP_Q24(0.01), JP_Q24(8)),
         FIELD(bias, -INT32_MAX, INT32_MAX),
-        FIELD(pitch_bias, -INT32_MAX / 2, INT32_MAX / 2),
+        FIELD(pitch_bias, -JP_SKID_PITCH_BIAS_MAX, JP_SKID_PITCH_BIAS_MAX),
         FIELD(ratio, ONE / 16, INT32_MAX),
         FIELD(scale, ONE / 2, ONE / 2 * 3),
         FIELD(bias_bias, 1, ONE),

@@ -80,7 +80,9 @@ void jp_skid_tilt_stand(struct jp_skid_tilt *tilt, const struct jp_skid_step *st
 {
     const int64_t shown = (int64_t)step->gyro_pitch * 256;
 
-    tilt->pitch_bias += jp_saturate32((shown - tilt->pitch_bias) >> PITCH_SHARE_SHIFT);
+    const int32_t change = jp_saturate32((shown - tilt->pitch_bias) >> PITCH_SHARE_SHIFT);
+
+    tilt->pitch_bias = jp_clamp32(jp_add(tilt->pitch_bias, change), -JP_SKID_PITCH_BIAS_MAX, JP_SKID_PITCH_BIAS_MAX);
 }
 
 /* What a surprise tells of each, with the covariances of state and measurement, Q30, and that of the measurement. */

@@ -4,6 +4,9 @@
 
 #include <joulepath/skid_odometry.h>
 
+/** Largest bias of the pitch gyro in a step, 2⁻⁴⁰ turn: a robot that is tipped over by hand shows more. */
+#define JP_SKID_PITCH_BIAS_MAX (INT32_MAX / 2)
+
 /** Starts on the grade that a stand reads, g. */
 void jp_skid_tilt_start(struct jp_skid_tilt *tilt, const struct jp_skid_odometry_config *config, jp_q24 grade);
 

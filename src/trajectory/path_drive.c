@@ -366,7 +366,8 @@ static jp_q24 move_in_turn(const struct jp_path_drive_internal *d, jp_radians_pe
     const jp_q24 aside = slides_left ? left : jp_sub(0, left);
     const jp_q24 size = (jp_q24)jp_magnitude32(left);
     const jp_q24 most = jp_q24_multiply(jp_add(aside, (jp_q24)jp_magnitude32(d->turn_slides)), d->turn_share);
-    const jp_q24 room = jp_sub(most, size) < most / 2 ? 2 * jp_sub(most, size) : most;
+    const jp_q24 beyond = jp_sub(most, size);
+    const jp_q24 room = beyond < most / 2 ? jp_add(beyond, beyond) : most;
 
     if (d->turn_slides == 0 || room <= 0) {
         return 0;

@@ -187,7 +187,7 @@ static int64_t beyond_voltages(const struct sum *sum, const struct jp_energy_mod
 
 static bool finish(const struct sum *sum, const struct jp_energy_model *model, struct jp_leg_energy *result)
 {
-    const int64_t motors = (sum->squares << 13) / model->motor_resistance; /* J in Q16 */
+    const int64_t motors = sum->squares * 8192 / model->motor_resistance; /* J in Q16 */
     const int64_t electronics = over_time(sum, model->electronics_power, sum->set_points);
     const int64_t duration = over_time(sum, JP_Q16_ONE, sum->set_points);
     const bool travel_fits = narrow(sum->travel >> 4, &result->travel);

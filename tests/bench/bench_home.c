@@ -165,7 +165,7 @@ static bool drive_trip(const struct navigate_robot *robot, const struct dense_ma
         struct robot_file file;
 
         variation_apply(&trip->balancer, &robot->file, &file);
-        is_done = navigation_balancer_init(balancer, robot->entry, &file, &start, trip->seed, &driven);
+        is_done = navigation_balancer_init(balancer, robot->entry, &file, &start, trip->seed, JP_PILOT_MOTORS, &driven);
         if (is_done && knowledge->is_there) {
             (void)jp_learner_restore(&balancer->pilot.learner, &knowledge->state, &field);
         }

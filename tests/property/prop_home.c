@@ -28,6 +28,7 @@ static struct jp_course_leg home_legs[LEGS_MAX];
 static struct {
     jp_q16 energy;
     jp_q16 deviation;
+    jp_q16 given;
     jp_q16 a_call; /* that the robot takes while it is under way */
     bool is_known;
 } battery;
@@ -39,11 +40,24 @@ static bool tell_left(void *context, struct jp_forecast *left)
     return battery.is_known;
 }
 
+static jp_q16 tell_given(void *context)
+{
+    TEST_ASSERT_TRUE(context == &battery);
+    return battery.given;
+}
+
+static void take(jp_q16 energy)
+{
+    battery.energy -= energy;
+    battery.given = (jp_q16)((uint32_t)battery.given + (uint32_t)energy);
+}
+
 void setUp(void)
 {
     rig_reset();
     battery.energy = JP_Q16(1000);
     battery.deviation = JP_Q16(1);
+    battery.given = INT32_MAX - JP_Q16(1); /* it wraps on the way */
     battery.a_call = 0;
     battery.is_known = true;
     settings = (struct jp_home_config){.navigator = &navigator,
@@ -51,6 +65,7 @@ void setUp(void)
                                        .y = 4,
                                        .confidence = CONFIDENCE,
                                        .left = tell_left,
+                                       .given = tell_given,
                                        .context = &battery,
                                        .legs = home_legs,
                                        .legs_max = LEGS_MAX,
@@ -81,7 +96,7 @@ static void go_out(int16_t x, int16_t y)
 static void work_a_call(void)
 {
     if (home.state == JP_HOME_OUT || home.state == JP_HOME_RETURNING) {
-        battery.energy -= battery.a_call;
+        take(battery.a_call);
     }
     (void)jp_home_work(&home);
 }
@@ -134,6 +149,9 @@ static void test_refuses_configurations(void)
     settings = good;
     settings.left = NULL;
     expect_refused("left");
+    settings = good;
+    settings.given = NULL;
+    expect_refused("given");
     settings = good;
     settings.legs = NULL;
     expect_refused("legs");
@@ -411,7 +429,7 @@ static void test_what_blocks_the_way_home_is_seen(void)
 
     /* Until then it is the last one and what was spent since. */
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_ask(&home, &before));
-    battery.energy -= JP_Q16(1);
+    take(JP_Q16(1));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_ask(&home, &after));
     TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), before.way.energy + home.factor.mean, after.way.energy);
     TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
@@ -457,6 +475,19 @@ static void test_plans_where_the_field_leads_no_more(void)
         TEST_ASSERT_TRUE(work_home_until(JP_HOME_HOME));
         expect_at(4, 4);
     }
+}
+
+static void test_plans_where_the_field_has_not_come_to(void)
+{
+    const struct jp_goal goal = {18, 4, JP_ANY_HEADING};
+
+    init_home();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_navigator_go_along(&navigator, &goal, &home.internal.field));
+    for (unsigned i = 0; i < CALLS_MAX && navigator.state != JP_NAVIGATOR_ARRIVED; i++) {
+        (void)jp_navigator_work(&navigator);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_ARRIVED, navigator.state);
+    expect_at(18, 4);
 }
 
 static void test_what_is_elsewhere_does_not_matter(void)
@@ -545,6 +576,33 @@ static void test_drives_teach_by_which_factor_they_take_more(void)
         TEST_ASSERT_TRUE(work_home_until(JP_HOME_HOME));
     }
     TEST_ASSERT_TRUE(home.factor.mean > JP_Q16(1.2));
+}
+
+/* Out and home on a battery of which so much less than thought turns out to be left on the way. */
+static struct jp_home_factor factor_after(jp_q16 less)
+{
+    rig_reset();
+    battery.energy = JP_Q16(1000);
+    battery.a_call = JP_Q16(0.05);
+    init_home();
+    go_out(18, 4);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_OUT));
+    work_some(40);
+    battery.energy -= less;
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_return(&home));
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_HOME));
+    return home.factor;
+}
+
+static void test_what_becomes_known_of_the_battery_teaches_nothing_of_drives(void)
+{
+    const struct jp_home_factor usual = factor_after(0);
+    const struct jp_home_factor corrected = factor_after(JP_Q16(500));
+
+    TEST_ASSERT_TRUE(usual.mean != jp_home_factor_new.mean);
+    TEST_ASSERT_EQUAL_INT32(usual.mean, corrected.mean);
+    TEST_ASSERT_EQUAL_INT32(usual.noise, corrected.noise);
 }
 
 /* ---- Any map, any battery ---- */

@@ -82,6 +82,80 @@ def test_a_battery_is_not_for_the_bus(hall, tmp_path):
     assert_one_line_error(navigate(hall, tmp_path / "out", *TASK, "--battery=500", "--home=40"), "--home")
 
 
+def burger_hall(folder):
+    return write_map(folder / "burger.json", room(100, 60, [(45, 0, 2, 35)]), resolution=0.05)
+
+
+def rover_hall(folder):
+    return write_map(folder / "rover.json", room(80, 40), resolution=0.2)
+
+
+def balancer_hall(folder):
+    return write_map(folder / "balancer.json", room(100, 60, [(45, 0, 2, 35)]), resolution=CELL)
+
+
+# Hall, task, and cells in series and parallel, of 2.8 Ah and up to 4.2 V.
+FED = {"burger": (burger_hall, ["--start=0.75,0.75,0", "--goal=4.25,2.25"], 3, 1),
+       "zhang2018": (rover_hall, ["--start=2.1,2.1,0", "--goal=12.1,5.1"], 13, 18),
+       "courier24": (balancer_hall, TASK, 6, 1)}
+
+
+def drive_on_cells(folder, robot, charge, *options):
+    hall, task = FED[robot][:2]
+    folder.mkdir(exist_ok=True)
+    return navigate(hall(folder), folder / "out", *task, "--hidden=0", f"--charge={charge}", *options,
+                    robot=ROOT / f"sim/robots/{robot}.cfg")
+
+
+def assert_is_known(charge):
+    assert abs(charge["known"] - charge["true"]) < 3 * charge["deviation"]
+    assert abs(charge["left_known_j"] - charge["left_j"]) < 3 * charge["left_deviation_j"]
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("percent", [60, 25])
+@pytest.mark.parametrize("robot", FED)
+def test_comes_home_on_its_cells_and_knows_their_charge(tmp_path, robot, percent, seed):
+    result = drive_on_cells(tmp_path, robot, percent, f"--seed={seed}")
+    assert (result.returncode, result.stderr) == (0, "")
+    summary = summary_of(tmp_path / "out")
+    home, cells = summary["home"], summary["cells"]
+    before, after = cells["before"], cells["after"]
+    assert (home["state"], home["stranded"], home["turned_back"]) == ("home", False, False)
+    assert 0 < after["left_j"] < before["left_j"]
+    assert after["true"] < before["true"] < percent / 100
+    # The voltage has told it more than the 5 % of the capacity that it began with.
+    assert before["deviation"] < 0.02
+    assert_is_known(before)
+    assert_is_known(after)
+    assert f"known as {100 * after['known']:.2f} ± {100 * after['deviation']:.2f} %" in result.stdout
+    series, parallel = FED[robot][2:]
+    coulombs = (before["true"] - after["true"]) * parallel * 2.8 * 3600
+    assert coulombs * cells["least_bus_v"] < home["given_j"] < coulombs * series * 4.2
+
+
+def test_does_not_leave_on_a_charge_that_may_not_do(tmp_path):
+    result = drive_on_cells(tmp_path, "burger", 10.5)
+    assert (result.returncode, result.stderr) == (0, "")
+    summary = summary_of(tmp_path / "out")
+    assert (summary["home"]["state"], summary["home"]["turned_back"]) == ("home", True)
+    assert summary["result"]["length_m"] < 0.5
+    assert_is_known(summary["cells"]["after"])
+
+
+def test_cells_that_cannot_feed_it_are_refused(tmp_path):
+    assert_one_line_error(drive_on_cells(tmp_path, "courier24", 0), "--charge 0", "16.17 V", "needs 18.00 V")
+    assert_one_line_error(drive_on_cells(tmp_path, "burger", 0.2), "--charge 0.2", "charge the cells")
+    assert names_in(tmp_path / "out") == []
+
+
+def test_what_of_cells_is_refused(tmp_path):
+    assert_one_line_error(drive_on_cells(tmp_path, "burger", 101), "--charge")
+    assert_one_line_error(drive_on_cells(tmp_path, "burger", "full"), "--charge")
+    assert_one_line_error(drive_on_cells(tmp_path, "burger", 50, "--battery=500"), "--charge", "--battery")
+    assert_one_line_error(drive_on_cells(tmp_path, "burger", 50, "--bus=in-process"), "--charge", "--bus")
+
+
 def over_hills(path, height, cliff=0.0):
     """Waves of 6 m, and a step across the whole map."""
     elevation = [[round(height * math.sin(x * 0.2 * math.pi / 3) + (cliff if x > 40 else 0), 3) for x in range(80)]

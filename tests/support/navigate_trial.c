@@ -81,7 +81,8 @@ static bool drive_balancer(const struct navigation_task *task, const struct navi
     struct navigation_balancer balancer;
     struct navigation_robot driven;
 
-    return navigation_balancer_init(&balancer, robot->entry, &robot->file, &start, task->seed, &driven) &&
+    return navigation_balancer_init(&balancer, robot->entry, &robot->file, &start, task->seed, JP_PILOT_MOTORS,
+                                    &driven) &&
            navigation_run(task, &driven, &trial->result);
 }
 

@@ -38,6 +38,7 @@ UNIT_TESTS     := $(filter-out $(FLOAT_TESTS),$(wildcard tests/unit/*/test_*.c))
 PROPERTY_TESTS := $(wildcard tests/property/prop_*.c)
 BITS_TESTS     := $(wildcard tests/bits/test_*.c)
 FAULT_TESTS    := $(wildcard tests/fault/fault_*.c)
+FUZZ_TARGETS   := $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/fuzz_*.c))
 VCAN_TESTS     := $(wildcard tests/vcan/vcan_*.c)
 TESTS          := $(UNIT_TESTS) $(FLOAT_TESTS) $(PROPERTY_TESTS) $(FAULT_TESTS) $(BITS_TESTS) $(VCAN_TESTS) tests/firmware/test_main.c
 TARGET_SUPPORT := tests/target/start.c tests/target/console.c

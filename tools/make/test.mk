@@ -14,7 +14,7 @@ names = $(or $(notdir $(basename $1)),no_tests)
 # logs VARIANTS FILES: one for each test on each variant.
 logs  = $(foreach v,$1,$(patsubst %,$(LOGS)/$v/%.log,$(call names,$2)))
 
-SUITES         := vcan sil python page tools package firmware gates property fault bits unit target
+SUITES         := vcan sil python page tools package firmware gates property fault fuzz bits unit target
 LOGS.vcan      := $(LOGS)/pytest/vcan.xml $(LOGS)/pytest/vcan_results.xml
 LOGS.sil       := $(LOGS)/pytest/sil.xml
 LOGS.python    := $(LOGS)/pytest/python.xml
@@ -25,6 +25,7 @@ LOGS.firmware  := $(LOGS)/firmware/test_faults.log $(LOGS)/firmware/test_plannin
 LOGS.gates     := $(patsubst %,$(LOGS)/gates/%.log,symbols firmware growth compile includes private format cppcheck misra tidy coverage)
 LOGS.property  := $(call logs,host-gcc,$(PROPERTY_TESTS))
 LOGS.fault     := $(call logs,host-gcc,$(FAULT_TESTS))
+LOGS.fuzz      := $(call logs,host-fuzz,$(FUZZ_TARGETS))
 LOGS.bits      := $(call logs,$(HOST_TESTS) $(BITS_CORES),$(BITS_TESTS))
 LOGS.unit      := $(call logs,$(HOST_TESTS) $(UNIT_CORES),$(UNIT_TESTS)) \
                   $(call logs,$(HOST_TESTS) $(filter $(FLOAT_VARIANTS),$(UNIT_CORES)),$(FLOAT_TESTS))

@@ -7,12 +7,12 @@ COMMON   := -std=c11 -g1 $(WARNINGS) -Iinclude -I. -I$(UNITY) -isystem $(BUILD)/
             $(if $(PLANNER),-DJP_NAVIGATION_PLANNER=$(PLANNER)) $(if $(CELLS),-DJP_PATROL_CELLS=$(CELLS))
 HOST     := -D_GNU_SOURCE -ffp-contract=off -DUNITY_INCLUDE_DOUBLE -DUNITY_SUPPORT_64
 SANITIZE := -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
-TARGET   := -ffunction-sections -fdata-sections -fcallgraph-info=su -Itests/target -DUNITY_INCLUDE_CONFIG_H -DUNITY_SUPPORT_64
-ARM      := $(TARGET) -mthumb
+BARE     := -ffunction-sections -fdata-sections -fcallgraph-info=su -Itests/target -DUNITY_INCLUDE_CONFIG_H -DUNITY_SUPPORT_64
+ARM      := $(BARE) -mthumb
 M4F      := -mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16
 M7F      := -mcpu=cortex-m7 -mfloat-abi=hard -mfpu=fpv5-sp-d16
 SSE      := -msse2 -mfpmath=sse
-RV32     := $(TARGET) -march=rv32imac -mabi=ilp32 --specs=picolibc.specs
+RV32     := $(BARE) -march=rv32imac -mabi=ilp32 --specs=picolibc.specs
 
 # Both compilers and both word sizes, in two variants.
 HOST_TESTS     := host-gcc host-clang-m32
@@ -25,7 +25,7 @@ RV_VARIANTS    := rv32 rv32-os
 # Whose numbers `make test` watches.
 GROWTH_CORE     := cortex-m4
 GROWTH_VARIANTS := $(GROWTH_CORE) $(GROWTH_CORE)-os
-VARIANTS     := host host-coverage release firmware firmware-m7 $(HOST_TESTS) $(ARM_VARIANTS) $(RV_VARIANTS)
+VARIANTS     := host host-coverage host-fuzz release firmware firmware-m7 $(HOST_TESTS) $(ARM_VARIANTS) $(RV_VARIANTS)
 
 # Each core's builds for speed and for size.
 CORES            := cortex-m0 cortex-m3 cortex-m4 cortex-m7 rv32
@@ -36,13 +36,14 @@ SIZE_VARIANTS    := $(foreach c,$(CORES),$(or $(SIZE_$c),$c-os))
 
 # Where the float library is: on the hosts and on the cores with an FPU.
 FPU_CORES        := cortex-m4 cortex-m7
-FLOAT_VARIANTS   := host host-coverage release firmware-m7 $(HOST_TESTS) $(FPU_CORES) $(FPU_CORES:%=%-os)
+FLOAT_VARIANTS   := host host-coverage host-fuzz release firmware-m7 $(HOST_TESTS) $(FPU_CORES) $(FPU_CORES:%=%-os)
 
 COMPILER.host            = $(CC)
 COMPILER.release         = $(CC)
 COMPILER.firmware        = arm-none-eabi-gcc
 COMPILER.firmware-m7     = arm-none-eabi-gcc
 COMPILER.host-coverage   = gcc
+COMPILER.host-fuzz       = clang
 COMPILER.host-gcc        = gcc
 COMPILER.host-clang-m32  = clang -m32
 $(foreach v,$(ARM_VARIANTS),$(eval COMPILER.$v = arm-none-eabi-gcc))
@@ -56,6 +57,8 @@ FLAGS.firmware        = -g -mthumb -mcpu=cortex-m4 -O2 -ffunction-sections -fdat
 # Of a robot that finds its way by laser, in single precision.
 FLAGS.firmware-m7     = -g -mthumb $(M7F) -O2 -ffunction-sections -fdata-sections -fcallgraph-info=su
 FLAGS.host-coverage   = $(HOST) -O0 --coverage -fprofile-update=atomic
+# Coverage guides the inputs.
+FLAGS.host-fuzz       = $(HOST) $(SANITIZE) -fsanitize=fuzzer-no-link -O1
 FLAGS.host-gcc        = $(HOST) $(SANITIZE) -O1
 # Only short tests run there: clang takes longer to optimise what the sanitizers add than they to run without that.
 FLAGS.host-clang-m32  = $(HOST) $(SANITIZE) -O0 $(SSE)

@@ -92,6 +92,8 @@ static void test_length_magnitude_and_limits(void)
 static void test_bearings(void)
 {
     TEST_ASSERT_TRUE(jp_plane_bearing(0.0f, 0.0f) == 0.0f);
+    TEST_ASSERT_TRUE(jp_plane_bearing(-0x1p-120f, 0x1p-110f) == 0.0f);
+    TEST_ASSERT_NEAR(1e-6f, 0.5f * JP_PLANE_PI, jp_plane_bearing(0.0f, 0x1p-95f));
     TEST_ASSERT_NEAR(1e-6f, 0.5f * JP_PLANE_PI, jp_plane_bearing(0.0f, 0.001f));
     TEST_ASSERT_NEAR(1e-6f, -0.5f * JP_PLANE_PI, jp_plane_bearing(0.0f, -30000.0f));
     TEST_ASSERT_NEAR(1e-6f, 0.643501109f, jp_plane_bearing(4.0f, 3.0f));

@@ -46,6 +46,21 @@ static void test_at_the_true_pose_all_is_explained(void)
     TEST_ASSERT_EQUAL_UINT16((cloud.count + 3) / 4, view.beams);
 }
 
+/* Dirt on the scanner. */
+static void test_beam_without_a_length_passes_through_nothing(void)
+{
+    struct jp_localiser_view view;
+
+    points[0] = (struct jp_plane_point){0.1f, 0.0f};
+    points[1] = (struct jp_plane_point){0.1f, 0x1p-127f};
+    cloud = (struct jp_localiser_cloud){.points = points, .count = 2, .sensor = {0.1f, 0.0f}};
+    jp_localiser_compare(&localiser.internal.field, &cloud, 1, &robot, 0.04f, &view);
+    TEST_ASSERT_EQUAL_UINT16(2, view.beams);
+    TEST_ASSERT_EQUAL_UINT16(0, view.explained);
+    TEST_ASSERT_EQUAL_UINT16(0, view.behind);
+    TEST_ASSERT_EQUAL_UINT16(0, view.beyond);
+}
+
 static void test_where_there_is_no_wall_there_is_no_information(void)
 {
     const struct jp_plane_pose none = {0.0f, 0.0f, 0.0f};

@@ -296,6 +296,18 @@ static void test_robot_does_not_turn_where_it_cannot_step_in(void)
     rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
 }
 
+/* Within a gap, so that there is room to turn only half a metre farther on. */
+static void test_robot_does_not_step_far_to_turn(void)
+{
+    rig_wall(-2.0f, 0.36f, 0.15f, 0.36f);
+    rig_wall(-2.0f, -0.36f, 0.15f, -0.36f);
+    rig_straight(-1.0f, 0.0f, 0.0f, 0.0f);
+    rig_init();
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.0f, 1.5f, false));
+    rig_cycle();
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+}
+
 /* A long nose: a thing that is in the shorter way round, from beside the goal too, is not in the longer one. */
 static void test_robot_turns_the_longer_way_round(void)
 {

@@ -407,6 +407,17 @@ static void test_stand_shows_the_bias_of_the_pitch_gyro(void)
     TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), 0, odometry.internal.tilt.state[JP_SKID_TILT_AHEAD]);
 }
 
+/* A robot that is tipped over by hand, with wheels that stand. */
+static void test_bias_of_the_pitch_gyro_is_limited(void)
+{
+    sensors.pitch_rate = JP_Q24(100);
+    drive(100, 0, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX / 2, odometry.internal.tilt.pitch_bias);
+    sensors.pitch_rate = -JP_Q24(100);
+    drive(100, 0, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(-(INT32_MAX / 2), odometry.internal.tilt.pitch_bias);
+}
+
 /* The grade is not what the robot's own acceleration is. */
 static void test_acceleration_is_no_grade(void)
 {

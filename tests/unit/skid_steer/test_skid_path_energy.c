@@ -108,6 +108,16 @@ static void test_turns_on_the_spot(void)
     expect_drive(&left);
 }
 
+/* The least angle there is: before it has a speed it is there. */
+static void test_a_turn_of_one_step_takes_nothing(void)
+{
+    pieces[0] = (struct jp_path_piece){
+        .length = 1, .kind = JP_PIECE_TURN_RIGHT, .speed = {.cruise = 3982, .acceleration = 15861908, .brake_from = 1}};
+    jp_skid_path_energy(model, &path, &drive, &duration);
+    TEST_ASSERT_EQUAL_INT64(0, drive.energy);
+    TEST_ASSERT_EQUAL_INT32(0, duration);
+}
+
 /* Pieces that follow each other hand on their speed; a part without length takes nothing. */
 static void test_an_arc_between_lines(void)
 {

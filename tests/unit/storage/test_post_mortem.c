@@ -1,8 +1,10 @@
 /** The record of a crash, and when the robot may go on after one. */
 #include "hal/storage/post_mortem.h"
 
+#include <stddef.h>
 #include <string.h>
 
+#include "hal/storage/memory_check.h"
 #include "unity.h"
 
 static struct jp_post_mortem record;
@@ -128,6 +130,24 @@ static void test_health_forgives(void)
     jp_post_mortem_open(&record, JP_RESET_WATCHDOG, &report);
     TEST_ASSERT_EQUAL_UINT32(1, report.crashes);
     TEST_ASSERT_TRUE(report.may_go_on);
+}
+
+/* Memory that adds up by chance. */
+static void test_numbers_that_no_record_holds_are_none(void)
+{
+    jp_post_mortem_write(&record, &crash);
+    record.crashes = 256;
+    record.check = jp_memory_check(0x4A50504DU, &record, offsetof(struct jp_post_mortem, check));
+    jp_post_mortem_open(&record, JP_RESET_PIN, &report);
+    TEST_ASSERT_EQUAL_UINT32(0, report.crashes);
+
+    struct jp_crash other = crash;
+
+    other.cause = (enum jp_reset_cause)(JP_RESET_STACK + 1);
+    jp_post_mortem_write(&record, &other);
+    jp_post_mortem_open(&record, JP_RESET_SOFTWARE, &report);
+    TEST_ASSERT_EQUAL_INT(JP_RESET_SOFTWARE, report.cause);
+    TEST_ASSERT_EQUAL_UINT32(0, report.crashes);
 }
 
 static void test_crashes_saturate(void)

@@ -447,6 +447,8 @@ static void test_counter_move(void)
         {-0.06, 0.87 * 2 * (0.0848 - 0.06)},
         {-0.08, 0}, /* it comes back by what it slides */
         {0.5, 0},   /* nothing helps */
+        {127, 0},
+        {-127, 0},
     };
 
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {

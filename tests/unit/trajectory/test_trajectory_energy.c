@@ -242,6 +242,23 @@ static void test_what_the_battery_gives(void)
     }
 }
 
+/* Motors whose back EMF is above their voltage brake: the sum of the voltages' energy is below 0. */
+static void test_what_comes_back_to_the_battery(void)
+{
+    const struct jp_back_emf back_emf = {JP_Q16(7), JP_Q16(6)};
+    jp_q24 modes[JP_TRAVEL_MODES] = {0};
+    struct jp_leg_energy leg;
+
+    shape();
+    model.b[0] = JP_Q16(0.5);
+    model.b[1] = 0;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, &model, &back_emf, &legs[0], modes, &leg));
+
+    const double beyond = (0.5 - 2 * 5.424949 / 4 * (5.424949 - 7)) * (leg.travel / 65536.0);
+
+    TEST_ASSERT_INT32_WITHIN(leg.energy / 1000, (int32_t)((drawn(&back_emf) + beyond) * 65536), leg.energy);
+}
+
 /* Toward zero, so that they are of one size in both directions. */
 static void test_modes_at_the_start(void)
 {
