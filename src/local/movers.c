@@ -255,11 +255,12 @@ static uint32_t beam_towards(const struct jp_scan_view *view, struct jp_plane_po
     return (uint32_t)(turned / view->scan->angle_step);
 }
 
+/* One that saw nothing tells no more than that nothing is within range. */
 static bool reaches(const struct jp_scan_view *view, uint32_t beam, float distance)
 {
-    const float range = view->scan->ranges[beam];
+    const float range = view->scan->ranges[beam] == 0.0f ? view->config->range_max : view->scan->ranges[beam];
 
-    return range == 0.0f || (range > distance && jp_plane_is_finite(range));
+    return range > distance && jp_plane_is_finite(range);
 }
 
 /* Whether what was at a place has gone: the beams on both sides of it end clearly behind it. */

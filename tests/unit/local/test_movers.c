@@ -697,6 +697,18 @@ static void test_place_that_beams_pass_is_empty(void)
     }
 }
 
+/* Beams that see nothing end there. */
+static void test_place_at_the_end_of_the_range_may_be_taken(void)
+{
+    const struct jp_plane_point place = {0.0f, 3.0f};
+
+    config.range = 3.1f;
+    TEST_ASSERT_FALSE(walks_from(place, 0, 0.0f));
+    setUp();
+    config.range = 3.2f;
+    TEST_ASSERT_TRUE(walks_from(place, 0, 0.0f));
+}
+
 static void test_place_beside_the_scan_may_be_taken(void)
 {
     const struct jp_plane_point place = {0.0f, 3.0f};
