@@ -5,7 +5,9 @@
  * An object is a run of points without a gap, at most `extent` across, nearer than what the beams beside it see. One
  * that is partly hidden is told less exactly. A Kalman filter of constant velocity tracks the middle of
  * what is seen, so that the uncertainty of the velocity is known from the first scans on: an object walks when it is
- * faster than that explains. Who has walked is remembered as somebody who may walk on, or back, along the same line.
+ * faster than that explains, and it is where nothing was before, or nothing is where it was: what is seen of a thing
+ * that stands may shift, but not so. Who has walked is remembered as somebody who may walk on, or back, along the same
+ * line.
  *
  * Part of libjoulepath_float; nothing here is for ISRs.
  */
@@ -20,6 +22,9 @@ extern "C" {
 
 #define JP_MOVERS_MAX 24
 
+/** Points by which it is remembered where a mover was first seen. */
+#define JP_MOVER_POINTS 3
+
 struct jp_movers_config {
     float extent;    /**< largest diameter of an object that may move, m; above 0 */
     float range;     /**< objects farther away are not looked for, m; above 0, at most 1 000 */
@@ -30,18 +35,20 @@ struct jp_movers_config {
 
 struct jp_mover {
     struct jp_plane_point centre;
-    struct jp_plane_point velocity; /**< m/s */
-    float radius;                   /**< of what was seen of it, m */
-    float largest;                  /**< radius so far, m */
-    struct jp_plane_point origin;   /**< where it was first seen */
-    float place_variance;           /**< of the centre along an axis, m² */
-    float covariance;               /**< of centre and velocity along an axis, m²/s */
-    float speed_variance;           /**< of the velocity along an axis, m²/s² */
-    struct jp_plane_point walk;     /**< direction in which it last walked; (0, 0): it has not */
-    float pace;                     /**< fastest that it was seen to walk, m/s */
-    float standing;                 /**< since it last walked, s */
-    uint8_t sightings;              /**< since it was first seen; saturates */
-    uint8_t misses;                 /**< in a row */
+    struct jp_plane_point velocity;              /**< m/s */
+    float radius;                                /**< of what was seen of it, m */
+    float largest;                               /**< radius so far, m */
+    struct jp_plane_point origin;                /**< where it was first seen */
+    struct jp_plane_point seen_from;             /**< where the sensor was then */
+    struct jp_plane_point seen[JP_MOVER_POINTS]; /**< of its surface then, from right to left */
+    float place_variance;                        /**< of the centre along an axis, m² */
+    float covariance;                            /**< of centre and velocity along an axis, m²/s */
+    float speed_variance;                        /**< of the velocity along an axis, m²/s² */
+    struct jp_plane_point walk;                  /**< direction in which it last walked; (0, 0): it has not */
+    float pace;                                  /**< fastest that it was seen to walk, m/s */
+    float standing;                              /**< since it last walked, s */
+    uint8_t sightings;                           /**< since it was first seen; saturates */
+    uint8_t misses;                              /**< in a row */
 };
 
 /** The members may be read. */

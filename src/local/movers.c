@@ -1,4 +1,5 @@
 #include <joulepath/movers.h>
+#include <string.h>
 
 #include "src/base/plane.h"
 #include "src/local/scan_runs.h"
@@ -48,6 +49,10 @@
 #define SIZE_SHARE 0.8f
 #define LEFT       0.1f
 
+/* A beam that ends so far behind a place, or a place so far before what was seen, is beyond what pose and laser err by,
+ * m. */
+#define CLEARLY 0.15f
+
 /* Misses that one counts as when the beams look through the place. */
 #define GONE 3U
 
@@ -69,7 +74,8 @@
 struct thing {
     struct jp_plane_point centre;
     float radius;
-    bool is_free; /* on both sides */
+    bool is_free;                                /* on both sides */
+    struct jp_plane_point seen[JP_MOVER_POINTS]; /* of its surface, from right to left */
 };
 
 static bool is_config(const struct jp_movers_config *config)
@@ -93,6 +99,20 @@ static bool is_past(const struct jp_scan_view *view, unsigned end, unsigned step
            (!jp_scan_is_point(view, beside) || view->scan->ranges[beside] > view->scan->ranges[end]);
 }
 
+/* Evenly within it. */
+static void take_points(const struct jp_scan_view *view, const struct jp_scan_run *run,
+                        struct jp_plane_point points[JP_MOVER_POINTS])
+{
+    for (unsigned i = 0; i < JP_MOVER_POINTS; i++) {
+        unsigned beam = run->first + (i + 1U) * (run->last - run->first) / (JP_MOVER_POINTS + 1U);
+
+        while (!jp_scan_is_point(view, beam)) {
+            beam++;
+        }
+        points[i] = jp_scan_point(view, beam);
+    }
+}
+
 static bool find_thing(const struct jp_scan_view *view, const struct jp_scan_run *run, float extent,
                        struct thing *thing)
 {
@@ -108,6 +128,7 @@ static bool find_thing(const struct jp_scan_view *view, const struct jp_scan_run
     thing->centre = (struct jp_plane_point){0.5f * (first.x + last.x), 0.5f * (first.y + last.y)};
     thing->radius = 0.5f * jp_plane_square_root(square);
     thing->is_free = is_free[0] && is_free[1];
+    take_points(view, run, thing->seen);
     return true;
 }
 
@@ -224,13 +245,74 @@ static bool has_left(const struct jp_mover *mover)
     return jp_plane_square_between(mover->centre, mover->origin) > reach * reach;
 }
 
+/* The beam towards a place; may be beyond those of the scan. */
+static uint32_t beam_towards(const struct jp_scan_view *view, struct jp_plane_point place)
+{
+    const float bearing = jp_plane_bearing(place.x - view->first.x, place.y - view->first.y);
+    const float angle = jp_plane_wrap(bearing - view->first.heading);
+    const float turned = angle < 0.0f ? angle + 2.0f * JP_PLANE_PI : angle;
+
+    return (uint32_t)(turned / view->scan->angle_step);
+}
+
+/* One that saw nothing tells no more than that nothing is within range. */
+static bool reaches(const struct jp_scan_view *view, uint32_t beam, float distance)
+{
+    const float range = view->scan->ranges[beam] == 0.0f ? view->config->range_max : view->scan->ranges[beam];
+
+    return range > distance && jp_plane_is_finite(range);
+}
+
+/* Whether what was at a place has gone: the beams on both sides of it end clearly behind it. */
+static bool is_empty(const struct jp_scan_view *view, struct jp_plane_point place)
+{
+    const float distance = jp_plane_length(place.x - view->first.x, place.y - view->first.y) + CLEARLY;
+    const uint32_t beam = beam_towards(view, place);
+
+    return beam + 1U < view->scan->count && reaches(view, beam, distance) && reaches(view, beam + 1U, distance);
+}
+
+/* Twice the area of the triangle; above 0 where its corners turn to the left. */
+static float turn_of(struct jp_plane_point a, struct jp_plane_point b, struct jp_plane_point c)
+{
+    return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+/* Whether a place lies between a sensor and the chord of what it saw from right to left, clearly before the chord. */
+static bool is_before(struct jp_plane_point sensor, struct jp_plane_point right, struct jp_plane_point left,
+                      struct jp_plane_point place)
+{
+    const float chord = jp_plane_length(left.x - right.x, left.y - right.y);
+
+    return turn_of(sensor, right, place) >= 0.0f && turn_of(sensor, place, left) >= 0.0f &&
+           turn_of(right, left, place) > CLEARLY * chord;
+}
+
+/* Whether it is where nothing was, or nothing is where it was. What is seen of a thing that stands may shift as the
+ * robot moves, but the place of what was seen stays taken, and that which the beams went through stays empty. */
+static bool has_changed_place(const struct jp_mover *mover, const struct thing *thing, const struct jp_scan_view *view)
+{
+    for (unsigned i = 0; i < JP_MOVER_POINTS; i++) {
+        if (is_empty(view, mover->seen[i])) {
+            return true;
+        }
+        for (unsigned k = 1; k < JP_MOVER_POINTS; k++) {
+            if (is_before(mover->seen_from, mover->seen[k - 1U], mover->seen[k], thing->seen[i])) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 /* Remembers how it walks, if it does. */
-static void note_walk(struct jp_mover *mover, const struct jp_movers_config *config)
+static void note_walk(struct jp_mover *mover, const struct jp_movers_config *config, const struct thing *thing,
+                      const struct jp_scan_view *view)
 {
     const float speed = speed_of(mover);
 
     if (mover->sightings >= SIGHTINGS_MIN && jp_mover_is_walking(mover, config) &&
-        (has_walked(mover) || has_left(mover))) {
+        (has_walked(mover) || (has_left(mover) && has_changed_place(mover, thing, view)))) {
         const float share = has_walked(mover) ? WALK_SHARE : 1.0f;
         const float x = mover->walk.x + share * (mover->velocity.x / speed - mover->walk.x);
         const float y = mover->walk.y + share * (mover->velocity.y / speed - mover->walk.y);
@@ -290,6 +372,8 @@ static void begin(struct jp_movers *movers, const struct thing *thing, struct jp
     track.origin = thing->centre;
     track.radius = thing->radius;
     track.largest = thing->radius;
+    track.seen_from = sensor;
+    (void)memcpy(track.seen, thing->seen, sizeof track.seen);
     track.place_variance = PLACE_ERROR * PLACE_ERROR;
     track.covariance = 0.0f;
     track.standing = 0.0f;
@@ -304,13 +388,14 @@ static void begin(struct jp_movers *movers, const struct thing *thing, struct jp
 }
 
 static void follow(struct jp_movers *movers, const struct jp_movers_config *config, const struct thing *thing,
-                   struct jp_plane_point sensor, float period)
+                   const struct jp_scan_view *view, float period)
 {
+    const struct jp_plane_point sensor = {view->first.x, view->first.y};
     struct jp_mover *const mover = match(movers, thing, GATE + period * config->speed_max);
 
     if (mover != NULL) {
         correct(mover, thing, config->speed_max);
-        note_walk(mover, config);
+        note_walk(mover, config, thing, view);
     } else {
         begin(movers, thing, sensor);
     }
@@ -319,15 +404,10 @@ static void follow(struct jp_movers *movers, const struct jp_movers_config *conf
 /* Whether a beam looks through the place of an object. */
 static bool is_seen_through(const struct jp_scan_view *view, const struct jp_mover *mover)
 {
-    const float dx = mover->centre.x - view->first.x;
-    const float dy = mover->centre.y - view->first.y;
-    const float angle = jp_plane_wrap(jp_plane_bearing(dx, dy) - view->first.heading);
-    const float turned = angle < 0.0f ? angle + 2.0f * JP_PLANE_PI : angle;
-    const float beam = turned / view->scan->angle_step;
-    const uint32_t index = (uint32_t)beam;
+    const float distance = jp_plane_length(mover->centre.x - view->first.x, mover->centre.y - view->first.y);
+    const uint32_t beam = beam_towards(view, mover->centre);
 
-    return index < view->scan->count &&
-           (view->scan->ranges[index] == 0.0f || view->scan->ranges[index] > jp_plane_length(dx, dy) + mover->radius);
+    return beam < view->scan->count && reaches(view, beam, distance + mover->radius);
 }
 
 static void miss(struct jp_movers *movers, const struct jp_scan_view *view)
@@ -391,7 +471,7 @@ enum jp_status jp_movers_update(struct jp_movers *movers, const struct jp_movers
     predict(movers, period);
     for (unsigned beam = 0; jp_scan_next_run(&view, beam, &run); beam = run.last + 1U) {
         if (find_thing(&view, &run, config->extent, &thing)) {
-            follow(movers, config, &thing, (struct jp_plane_point){sensor->x, sensor->y}, period);
+            follow(movers, config, &thing, &view, period);
         }
     }
     miss(movers, &view);

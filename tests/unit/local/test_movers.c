@@ -1,4 +1,5 @@
-/* Discs that a synthetic scanner sees: which of them are tracked, how well, and which shapes get their velocity. */
+/* Discs and walls that a synthetic scanner sees: which of them are tracked, how well, and which shapes get their
+ * velocity. */
 #include <joulepath/movers.h>
 
 #include "src/base/plane.h"
@@ -16,7 +17,9 @@
 enum {
     BEAMS = 720,
     DISCS_MAX = JP_MOVERS_MAX + 2,
+    WALLS_MAX = 5,
     SETTLED = 25,
+    NOTICED = 5, /* scans in which it is known that somebody walks at 1 m/s */
     SIGHTINGS_MIN = 4,
     MISSES_MAX = 5,
     WALKER_MISSES_MAX = 24
@@ -30,6 +33,11 @@ struct disc {
     float radius;
 };
 
+struct wall {
+    struct jp_plane_point from;
+    struct jp_plane_point to;
+};
+
 static const struct jp_plane_pose origin = {0.0f, 0.0f, 0.0f};
 
 static float ranges[BEAMS];
@@ -41,6 +49,8 @@ static struct jp_obstacles obstacles;
 static struct jp_plane_pose sensor;
 static struct disc discs[DISCS_MAX];
 static unsigned disc_count;
+static struct wall walls[WALLS_MAX];
+static unsigned wall_count;
 
 /* A whole turn around a sensor on an empty plane; the scan begins and ends behind it. */
 void setUp(void)
@@ -51,6 +61,7 @@ void setUp(void)
         .extent = 0.9f, .range = 10.0f, .speed_min = 0.3f, .speed_max = 2.0f, .margin = 0.35f};
     sensor = origin;
     disc_count = 0;
+    wall_count = 0;
     jp_movers_clear(&movers);
 }
 
@@ -65,6 +76,37 @@ static struct disc *put_disc(float x, float y, float radius)
     discs[disc_count] = (struct disc){{x, y}, radius};
     disc_count++;
     return &discs[disc_count - 1U];
+}
+
+static void put_wall(float x1, float y1, float x2, float y2)
+{
+    walls[wall_count] = (struct wall){{x1, y1}, {x2, y2}};
+    wall_count++;
+}
+
+static void put_box(float left, float low, float right, float high)
+{
+    put_wall(left, low, right, low);
+    put_wall(right, low, right, high);
+    put_wall(right, high, left, high);
+    put_wall(left, high, left, low);
+}
+
+/* 0: beside it. */
+static float range_of_wall(const struct wall *wall, struct jp_plane_point beam)
+{
+    const struct jp_plane_point from = {wall->from.x - sensor.x, wall->from.y - sensor.y};
+    const struct jp_plane_point along = {wall->to.x - wall->from.x, wall->to.y - wall->from.y};
+    const float across = beam.x * along.y - beam.y * along.x;
+    const float range = (from.x * along.y - from.y * along.x) / across;
+    const float share = (from.x * beam.y - from.y * beam.x) / across;
+
+    return range > 0.0f && share >= 0.0f && share <= 1.0f ? range : 0.0f;
+}
+
+static float nearer(float range, float other)
+{
+    return other > 0.0f && !(range > 0.0f && range < other) ? other : range;
 }
 
 static float range_of_disc(const struct disc *disc, struct jp_plane_point beam)
@@ -85,11 +127,10 @@ static void take_scan(void)
 
         ranges[i] = 0.0f;
         for (unsigned k = 0; k < disc_count; k++) {
-            const float range = range_of_disc(&discs[k], beam);
-
-            if (range > 0.0f && !(ranges[i] > 0.0f && ranges[i] < range)) {
-                ranges[i] = range;
-            }
+            ranges[i] = nearer(ranges[i], range_of_disc(&discs[k], beam));
+        }
+        for (unsigned k = 0; k < wall_count; k++) {
+            ranges[i] = nearer(ranges[i], range_of_wall(&walls[k], beam));
         }
     }
 }
@@ -548,6 +589,132 @@ static void test_thing_that_shifts_by_less_than_its_size_has_not_walked(void)
         walk(disc, (struct jp_plane_point){0.0f, i % 4U < 2U ? 1.0f : -1.0f}, 1);
         TEST_ASSERT_FALSE(has_walked(0));
     }
+}
+
+/* Towards the sensor, away from it, past it and aslant. */
+static void test_walk_in_any_direction_is_noticed(void)
+{
+    for (int degrees = -180; degrees < 180; degrees += 15) {
+        setUp();
+
+        const struct jp_plane_point direction = jp_plane_direction(JP_PLANE_PI / 180.0f * (float)degrees);
+        struct disc *const disc = put_disc(3.0f, 0.0f, RADIUS);
+        unsigned scans = 0;
+
+        while (scans < SETTLED && !(movers.count > 0U && has_walked(0))) {
+            walk(disc, direction, 1);
+            scans++;
+        }
+        TEST_ASSERT_TRUE(scans <= NOTICED);
+    }
+}
+
+/* A beam a degree, as the patrol robot's laser has. */
+static void see_coarsely(void)
+{
+    config.extent = 2.0f;
+    scan.count = BEAMS / 2;
+    scan.angle_step = 4.0f * JP_PLANE_PI / BEAMS;
+}
+
+/* Past what stands: nobody has walked. */
+static void drive_past(float speed, float turn_rate, unsigned scans)
+{
+    for (unsigned i = 0; i < scans; i++) {
+        look();
+        for (unsigned k = 0; k < movers.count; k++) {
+            TEST_ASSERT_FALSE(has_walked(k));
+        }
+        sensor.x += PERIOD * speed;
+        sensor.heading += PERIOD * turn_rate;
+    }
+}
+
+/* Between the end of the scan and where its points lie too far apart, what is seen of a wall goes with the robot. */
+static void test_wall_that_is_seen_in_part_stands(void)
+{
+    for (unsigned i = 2; i <= 8U; i += 2U) {
+        setUp();
+        see_coarsely();
+        put_wall(-10.0f, 0.6f, 10.0f, 0.6f);
+        sensor.heading = -0.1f;
+        drive_past(0.1f * (float)i, -0.2f, 30);
+    }
+}
+
+/* One side comes into sight while another one goes. */
+static void test_boxes_that_are_passed_stand(void)
+{
+    for (unsigned i = 0; i < 4U; i++) {
+        const float side = 0.6f + 0.2f * (float)i;
+
+        setUp();
+        see_coarsely();
+        put_box(-0.5f * side, 0.3f, 0.5f * side, 0.3f + side);
+        sensor.x = -2.0f;
+        drive_past(1.0f, -0.2f, 50);
+    }
+}
+
+/* Whether a disc that goes past is known to walk when all that was first seen of it lay at one place, and a beam has
+ * another range. */
+static bool walks_from(struct jp_plane_point place, unsigned beam, float range)
+{
+    struct disc *const disc = put_disc(2.0f, -1.0f, RADIUS);
+
+    for (unsigned i = 0; i < SETTLED; i++) {
+        take_scan();
+        ranges[beam] = range;
+        update();
+        disc->centre.y += 0.8f * PERIOD;
+        for (unsigned k = 0; k < JP_MOVER_POINTS; k++) {
+            movers.movers[0].seen[k] = place;
+        }
+    }
+    return has_walked(0);
+}
+
+/* Between two beams to the left: empty where both end clearly behind it. */
+static void test_place_that_beams_pass_is_empty(void)
+{
+    const struct jp_plane_point direction = jp_plane_direction(0.5f * JP_PLANE_PI + 0.5f * scan.angle_step);
+    const struct jp_plane_point place = {3.0f * direction.x, 3.0f * direction.y};
+    const unsigned right = 3 * BEAMS / 4;
+    volatile float large = FLT_MAX; /* the compiler must not see that it overflows */
+
+    const struct {
+        unsigned beam;
+        float range;
+        bool passes;
+    } cases[] = {
+        {right, 0.0f, true},          {right, 3.2f, true},      {right, 3.1f, false},      {right, -1.0f, false},
+        {right, large * 2.0f, false}, {right + 1U, 3.2f, true}, {right + 1U, 3.1f, false},
+    };
+
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        setUp();
+        TEST_ASSERT_EQUAL_INT(cases[i].passes, walks_from(place, cases[i].beam, cases[i].range));
+    }
+}
+
+/* Beams that see nothing end there. */
+static void test_place_at_the_end_of_the_range_may_be_taken(void)
+{
+    const struct jp_plane_point place = {0.0f, 3.0f};
+
+    config.range = 3.1f;
+    TEST_ASSERT_FALSE(walks_from(place, 0, 0.0f));
+    setUp();
+    config.range = 3.2f;
+    TEST_ASSERT_TRUE(walks_from(place, 0, 0.0f));
+}
+
+static void test_place_beside_the_scan_may_be_taken(void)
+{
+    const struct jp_plane_point place = {0.0f, 3.0f};
+
+    scan.count = 3 * BEAMS / 4 - 2;
+    TEST_ASSERT_FALSE(walks_from(place, 0, 0.0f));
 }
 
 /* Two who go side by side become one thing for the scanner, and two again. */
