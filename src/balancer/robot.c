@@ -276,6 +276,17 @@ static void control(struct jp_robot_internal *robot, jp_q16 bus_voltage)
     }
 }
 
+static JP_OWN_FRAME void actuate(const struct jp_voltages *voltages, jp_q16 bus_voltage, struct jp_actuation *actuation)
+{
+    const struct jp_bus bus = jp_bus_of(bus_voltage);
+
+    *actuation = (struct jp_actuation){
+        .duty_left = jp_duty(voltages->left, &bus),
+        .duty_right = jp_duty(voltages->right, &bus),
+        .enabled = 1,
+    };
+}
+
 static void step(struct jp_robot_internal *robot, enum jp_status read, const struct jp_sensors *frame,
                  struct jp_actuation *actuation)
 {
@@ -296,13 +307,7 @@ static void step(struct jp_robot_internal *robot, enum jp_status read, const str
     }
     if (motors_run(telemetry->state)) {
         control(robot, sensors->bus_voltage);
-        const struct jp_bus bus = jp_bus_of(sensors->bus_voltage);
-
-        *actuation = (struct jp_actuation){
-            .duty_left = jp_duty(telemetry->voltages.left, &bus),
-            .duty_right = jp_duty(telemetry->voltages.right, &bus),
-            .enabled = 1,
-        };
+        actuate(&telemetry->voltages, sensors->bus_voltage, actuation);
     } else {
         *actuation = (struct jp_actuation){.enabled = 0};
     }

@@ -9,6 +9,9 @@
 #define JP_INLINE_FOR_SPEED inline
 #endif
 
+/** Its locals are not on the stack of its caller while that calls others. */
+#define JP_OWN_FRAME __attribute__((noinline))
+
 /** Of 32 bits that are not all 0. */
 #define JP_LEADING_ZEROS(word)  ((unsigned)__builtin_clz(word))
 #define JP_TRAILING_ZEROS(word) ((unsigned)__builtin_ctz(word))

@@ -110,7 +110,7 @@ $(BUILD)/bench/bench_%: $(BUILD)/host/tests/bench/bench_%.o $(call host_librarie
 $(BUILD)/bench/%_drives: $(BUILD)/host/tests/bench/%_drives.o $(call host_libraries,host)
 	$(call link_host,host)
 
-$(BUILD)/bench/bench_patrol_day $(BUILD)/bench/bench_patrol_round: $(BUILD)/host/tests/bench/patrol_rounds.o
+$(BUILD)/bench/day_drives $(BUILD)/bench/bench_patrol_round: $(BUILD)/host/tests/bench/patrol_rounds.o
 
 $(BUILD)/bench/bench_plan: $(addprefix $(BUILD)/host/tests/bench/,igraph_peer.o ompl_peer.o plain_search.o plan_peers.o plan_replans.o plan_savings.o)
 $(BUILD)/bench/bench_plan: private COMPILER.host = g++

@@ -1,9 +1,10 @@
-/* A day of patrol: two robots, 24 hours each, of the seeds from 5001 on. Prints figures as JSON. */
+/* A day of patrol: two robots among people, 24 hours each. Prints figures as JSON. `day_drives [HOURS [FIRST_SEED]]`
+ * lets others go round for another time. */
 #include "sim/base/parallel.h"
 #include "tests/bench/figures.h"
 #include "tests/bench/patrol_rounds.h"
 
-#define COMMAND "make bench-patrol-day"
+#define COMMAND "make drive-day"
 
 #define FIRST_SEED 5001U
 #define HOURS      24.0
@@ -12,6 +13,8 @@ enum { RUNS = 2 };
 
 struct bench {
     struct four_wheel_file robot;
+    double hours;
+    uint64_t first;
     struct patrol_rounds_outcome outcomes[RUNS];
 };
 
@@ -19,7 +22,7 @@ static void run_one(void *context, size_t index)
 {
     struct bench *bench = context;
 
-    if (!patrol_rounds_run(&bench->robot, FIRST_SEED + index, HOURS, &bench->outcomes[index])) {
+    if (!patrol_rounds_run(&bench->robot, bench->first + index, bench->hours, &bench->outcomes[index])) {
         error_line("a robot on its round: no memory");
         exit(1);
     }
@@ -50,19 +53,17 @@ static json_t *figures_of(const struct patrol_rounds_outcome *sum)
 int main(int argc, char **argv)
 {
     static struct bench bench;
-    const char *rows_path = figures_rows_path(argc, argv, "Measures a day of patrol.");
-    json_t *rows = json_array();
 
-    if (!four_wheel_file_load("sim/robots/patrol.cfg", &bench.robot)) {
+    bench.hours = argc > 1 ? strtod(argv[1], NULL) : HOURS;
+    bench.first = argc > 2 ? strtoull(argv[2], NULL, 10) : FIRST_SEED;
+    if (!(bench.hours > 0) || !four_wheel_file_load("sim/robots/patrol.cfg", &bench.robot)) {
+        error_line("usage: day_drives [HOURS [FIRST_SEED]]");
         return ERROR_EXIT;
     }
     in_parallel("days", run_one, &bench, RUNS);
-    for (unsigned i = 0; i < RUNS; i++) {
-        (void)json_array_append_new(rows, patrol_rounds_row(&bench.outcomes[i], FIRST_SEED + i));
-    }
+
     const struct patrol_rounds_outcome sum = patrol_rounds_sum(bench.outcomes, RUNS);
 
-    figures_write_rows(rows, rows_path);
     figures_print(figures_of(&sum));
     return 0;
 }
