@@ -173,11 +173,23 @@ static struct jp_plane_speed reachable(const struct jp_patrol *patrol, const str
     return (struct jp_plane_speed){wanted->forward * (limit / speed), wanted->turn_rate * (limit / speed)};
 }
 
-/* A robot that stands and whose band would not move it does not get on by waiting for the band. */
+static bool is_anything_moving(const struct jp_patrol *patrol)
+{
+    float fastest = 0.0f;
+
+    for (uint8_t i = 0; i < patrol->obstacles.count; i++) {
+        const struct jp_plane_point *const velocity = &patrol->obstacles.shapes[i].velocity;
+
+        fastest = jp_plane_larger(fastest, jp_plane_length(velocity->x, velocity->y));
+    }
+    return fastest > 0.0f;
+}
+
+/* A robot that stands and whose band would not move it does not get on by waiting for the band, but for who walks. */
 static bool has_band_stalled(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
-    const bool stands =
-        jp_patrol_is_standing(speed) && jp_patrol_is_standing(&patrol->band.speed) && !patrol->internal.is_yielding;
+    const bool stands = jp_patrol_is_standing(speed) && jp_patrol_is_standing(&patrol->band.speed) &&
+                        !patrol->internal.is_yielding && !is_anything_moving(patrol);
 
     patrol->internal.still = stands ? (uint16_t)(patrol->internal.still + 1U) : 0U;
     return patrol->internal.still > STILL_CYCLES;
