@@ -3,8 +3,8 @@
 #define HOUR 3600
 
 /** What the sensor may count more or less than the cells give. */
-#define COUNTED_LEAST JP_Q24(0.5)
-#define COUNTED_MOST  JP_Q24(2)
+#define COUNTED_MIN JP_Q24(0.5)
+#define COUNTED_MAX JP_Q24(2)
 
 /** What a gradient is limited to. */
 #define SLOPE_MAX JP_Q24(16)
@@ -82,7 +82,7 @@ static jp_q24 counted_more(const struct jp_battery *battery, const struct jp_bat
     if (load == 0) {
         return JP_Q24_ONE;
     }
-    return jp_clamp32(jp_q24_divide(load, jp_sub(load, offset_of(battery, config))), COUNTED_LEAST, COUNTED_MOST);
+    return jp_clamp32(jp_q24_divide(load, jp_sub(load, offset_of(battery, config))), COUNTED_MIN, COUNTED_MAX);
 }
 
 /** What is left, J in Q32, of one cell, as the cells give it. */
