@@ -8,7 +8,7 @@ PAGE_C    := $(filter-out sim/page/robot_bytes.c,$(wildcard sim/page/*.c))
 PAGE_ROBOTS := $(wildcard $(patsubst %,sim/robots/%.cfg,$(ROBOTS) $(SKID_ROBOTS) $(patsubst src/tables/patrol_%.c,%,$(wildcard src/tables/patrol_*.c))))
 # Of the simulator what the scenes stand on. What nobody calls in it, such as what reads files, is not linked.
 PAGE_SIM  := $(wildcard sim/balancer/*.c sim/skid_steer/*.c sim/four_wheel/*.c sim/scenes/*.c) $(addprefix sim/,$(addsuffix .c, \
-             $(addprefix base/,clearance digital error fingerprint random world_fault) \
+             $(addprefix base/,cell_pack clearance digital error fingerprint random world_fault) \
              $(addprefix missions/,cruise_plan navigation_balancer navigation_sight navigation_skid navigation_task patrol_energy \
                  patrol_mission plan_lattice))) hal/hal.c
 
