@@ -1,4 +1,5 @@
 /* The patrol on its way: driving, a pause, the plain band, each reason to stand. */
+#include "src/local/patrol_drive.h"
 #include "tests/support/patrol_rig.h"
 
 void setUp(void)
@@ -262,6 +263,21 @@ static void test_plain_band_arrives_with_the_heading_only(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.0f, 1.0f, false));
     rig_cycle();
     TEST_ASSERT_TRUE(patrol.state != JP_PATROL_ARRIVED);
+}
+
+/* What has come so near that the robot could not stop before it from any part of the band's speed. */
+static void test_it_does_not_drive_where_it_could_not_stop(void)
+{
+    const struct jp_plane_speed speed = {0.4f, 0.0f};
+
+    rig_go(4.0f, 0.0f);
+    rig_cycles(8);
+    patrol.obstacles.shapes[0] =
+        (struct jp_obstacle){.vertices = {{patrol.pose.x + 0.43f, 0.24f}}, .vertex_count = 1, .radius = 0.02f};
+    patrol.obstacles.count = 1;
+    jp_patrol_drive(&patrol, &speed);
+    TEST_ASSERT_EQUAL_INT(JP_PATROL_WAITING, patrol.state);
+    TEST_ASSERT_EQUAL_INT(JP_PATROL_BLOCKED, patrol.reason);
 }
 
 /* ---- Waiting ---- */
