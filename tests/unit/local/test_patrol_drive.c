@@ -270,10 +270,12 @@ static void test_it_does_not_drive_where_it_could_not_stop(void)
 {
     const struct jp_plane_speed speed = {0.4f, 0.0f};
 
+    rig_reset();
+    rig_init();
     rig_go(4.0f, 0.0f);
     rig_cycles(8);
     patrol.obstacles.shapes[0] =
-        (struct jp_obstacle){.vertices = {{patrol.pose.x + 0.43f, 0.24f}}, .vertex_count = 1, .radius = 0.02f};
+        (struct jp_obstacle){.vertices = {{patrol.pose.x + 0.42f, 0.3f}}, .vertex_count = 1, .radius = 0.02f};
     patrol.obstacles.count = 1;
     jp_patrol_drive(&patrol, &speed);
     TEST_ASSERT_EQUAL_INT(JP_PATROL_WAITING, patrol.state);
