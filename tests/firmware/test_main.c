@@ -1,9 +1,11 @@
 /* The firmware's start and loop on fake registers: what it decides to be, whom it obeys, and when it feeds the
  * watchdog. */
 #undef FIRMWARE_ROBOT_NAME
+#undef FIRMWARE_LATTICE_NAME
 #undef FIRMWARE_LEARNS
 #undef FIRMWARE_NAVIGATES
-#define FIRMWARE_ROBOT_NAME courier24
+#define FIRMWARE_ROBOT_NAME   courier24
+#define FIRMWARE_LATTICE_NAME courier24
 #define FIRMWARE_LEARNS
 #define FIRMWARE_NAVIGATES
 #define main firmware_main
