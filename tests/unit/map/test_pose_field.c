@@ -9,8 +9,8 @@
 #include "unity.h"
 
 enum {
-    WIDTH = 14,
-    HEIGHT = 12,
+    WIDTH = 12,
+    HEIGHT = 7,
     POSES = WIDTH * HEIGHT * JP_HEADINGS,
     BLOCK_BYTES = POSES * 3 + HEIGHT * JP_HEADINGS * 4
 };
