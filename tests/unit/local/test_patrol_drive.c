@@ -11,6 +11,12 @@ void tearDown(void)
 {
 }
 
+static void see(struct jp_obstacle shape)
+{
+    jp_obstacles_clear(&patrol.obstacles, &(struct jp_plane_point){patrol.pose.x, patrol.pose.y});
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_obstacles_add(&patrol.obstacles, &shape));
+}
+
 /* ---- Driving ---- */
 
 static void test_nothing_moves_without_a_path(void)
@@ -58,6 +64,31 @@ static void test_a_band_that_stands_is_no_way(void)
     TEST_ASSERT_TRUE(rig_until(JP_PATROL_WAITING, 60) > 5U);
     rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
     rig_expect_stand();
+}
+
+/* The same band, while something stands or walks elsewhere. */
+static enum jp_patrol_state state_beside(float velocity)
+{
+    const struct jp_plane_speed still = {0.0f, 0.0f};
+
+    config.turns_in_place = false;
+    rig_init();
+    rig_straight(0.0f, 0.0f, 0.0f, 0.3f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.3f, 0.0f, false));
+    rig_cycle();
+    see((struct jp_obstacle){
+        .vertices = {{-4.0f, 0.0f}}, .vertex_count = 1, .radius = 0.2f, .velocity = {velocity, 0.0f}});
+    for (unsigned i = 0; i < 20U && patrol.state != JP_PATROL_WAITING; i++) {
+        jp_patrol_drive(&patrol, &still);
+    }
+    return patrol.state;
+}
+
+static void test_a_band_that_stands_for_who_walks_has_not_stalled(void)
+{
+    TEST_ASSERT_EQUAL_INT(JP_PATROL_WAITING, state_beside(0.0f));
+    rig_reset();
+    TEST_ASSERT_EQUAL_INT(JP_PATROL_DRIVING, state_beside(-0.5f));
 }
 
 static void test_a_band_that_stands_for_people_is_waited_for(void)
@@ -265,7 +296,7 @@ static void test_plain_band_arrives_with_the_heading_only(void)
     TEST_ASSERT_TRUE(patrol.state != JP_PATROL_ARRIVED);
 }
 
-/* What has come so near that the robot could not stop before it from any part of the band's speed. */
+/* Brakes so weak that from any part of the band's speed the robot would come to its stop in what is beyond the goal. */
 static void test_it_does_not_drive_where_it_could_not_stop(void)
 {
     const struct jp_plane_speed speed = {0.4f, 0.0f};
@@ -274,9 +305,9 @@ static void test_it_does_not_drive_where_it_could_not_stop(void)
     rig_init();
     rig_go(4.0f, 0.0f);
     rig_cycles(8);
-    patrol.obstacles.shapes[0] =
-        (struct jp_obstacle){.vertices = {{patrol.pose.x + 0.42f, 0.3f}}, .vertex_count = 1, .radius = 0.02f};
-    patrol.obstacles.count = 1;
+    patrol.config.people.braking = 0.0001f;
+    see((struct jp_obstacle){
+        .vertices = {{patrol.pose.x + 5.5f, -0.8f}, {patrol.pose.x + 5.5f, 0.8f}}, .vertex_count = 2, .radius = 0.2f});
     jp_patrol_drive(&patrol, &speed);
     TEST_ASSERT_EQUAL_INT(JP_PATROL_WAITING, patrol.state);
     TEST_ASSERT_EQUAL_INT(JP_PATROL_BLOCKED, patrol.reason);
