@@ -113,10 +113,10 @@ def test_what_no_test_looks_at_survives(project):
     assert {line.split(": ", maxsplit=1)[1] for line in found} == LIMIT, found
     counts = json.loads((project / "mutants.json").read_text(encoding="utf-8"))["files"]
     assert counts["src/room/a.c"]["equivalent"] == 2, "the size of 0 is 0 either way: the same machine code"
-    assert counts["src/room/a.h"] == {"mutants": 2, "killed": 2, "equivalent": 0, "survived": 0, "percent": 100}
+    assert counts["src/room/a.h"] == {"mutants": 2, "killed": 2, "by_hash": 0, "equivalent": 0, "survived": 0, "percent": 100}
     assert counts["src/room/a.c"]["survived"] == len(found) and counts["src/room/a.c"]["killed"] > 20
     rows = [line.split() for line in result.stdout.splitlines()]
-    assert rows[0] == ["file", "mutants", "killed", "equivalent", "survived", "%"]
+    assert rows[0] == ["file", "mutants", "killed", "by", "bits", "equivalent", "survived", "%"]
     assert [row[0] for row in rows[1:]] == ["src/room/a.c", "src/room/a.h", "room:", "all:"]
 
 
@@ -140,6 +140,12 @@ def test_what_is_known_is_not_judged_again_unless_its_judges_changed(project, mo
     build(project, TESTS | {"test_sum": TESTS["test_sum"].replace("101, 1) != 52", "101, 1) != 52 || a_sum(100, 0) != 100")})
     assert survivors(run_mutants(project)) == []
     assert judged
+
+
+def test_what_only_bits_notice_is_counted_apart(project):
+    result = run_mutants(project, "--hash", "test_rest", names=["test_sum"])
+    counts = json.loads((project / "mutants.json").read_text(encoding="utf-8"))["files"]["src/room/a.c"]
+    assert 0 < counts["by_hash"] < counts["killed"] and len(survivors(result)) == 2
 
 
 def test_a_sample_says_its_seed(project):

@@ -21,6 +21,8 @@ mcdc_tests: $(MCDC_TESTS)
 # In a library of its own, so that a mutant takes the place of its functions.
 MUTANT_LIBRARY := $(BUILD)/host-mutants/libcore.so
 MUTANT_TESTS   := $(call unit_programs,host-mutants)
+# Of equal bits: they notice what the unit tests do not, but not what is right.
+MUTANT_HASHES  := $(patsubst tests/bits/%.c,$(BUILD)/host-mutants/%,$(BITS_TESTS))
 
 $(MUTANT_LIBRARY): $(patsubst %.c,$(BUILD)/host-mutants/%.o,$(CORE) $(FLOAT) $(CAN) $(CAN_FLOAT)) $(MEMBERS)
 	@mkdir -p $(@D)
@@ -29,11 +31,15 @@ $(MUTANT_LIBRARY): $(patsubst %.c,$(BUILD)/host-mutants/%.o,$(CORE) $(FLOAT) $(C
 
 $(foreach t,$(UNIT_TESTS) $(FLOAT_TESTS),$(eval $(call unit_object,host-mutants,$t)))
 
-$(MUTANT_TESTS): $(if $(UNITY_SOURCE),$(BUILD)/host-mutants/unity.o) $(BUILD)/host-mutants/libdrivers.a $(MUTANT_LIBRARY)
+$(MUTANT_HASHES): $(BUILD)/host-mutants/%: $(BUILD)/host-mutants/tests/bits/%.o $(BUILD)/host-mutants/tests/support/scene.o
+
+$(MUTANT_TESTS) $(MUTANT_HASHES): $(if $(UNITY_SOURCE),$(BUILD)/host-mutants/unity.o) $(BUILD)/host-mutants/libdrivers.a $(MUTANT_LIBRARY)
 	@mkdir -p $(@D)
 	$(call SAY,LD $@)
 	$Q$(COMPILER.host-mutants) $(FLAGS.host-mutants) $(GOLD) $(filter %.o,$^) $(filter %.a,$^) $(MUTANT_LIBRARY) \
 	    -Wl,-rpath,$(abspath $(@D)) -Wl,--allow-shlib-undefined -lm -o $@
+
+MUTANT_FOLDER ?= $(BUILD)/mutants
 
 # Every so many mutants of each room instead of all: SAMPLE=200.
 SAMPLE ?=
@@ -44,8 +50,9 @@ mutants: ## faults put into the rooms that can hurt someone, or into ROOM="balan
 	@tools/setup.sh test
 	@$(MAKE) $(PARALLEL) mutant_tests
 	$Q$(PYTHON) -m tools.measure.mutants $(CHOSEN_ROOMS) --jobs $(JOBS) $(if $(SAMPLE),--sample $(SAMPLE) --seed $(SEED)) \
-	    --build $(BUILD)/host-mutants --counting $(BUILD)/host-coverage --folder $(BUILD)/mutants --json $(BUILD)/bench/mutants.json \
-	    --flags '-std=c11 -Iinclude -I. -I$(UNITY) $(HOST)' --headers '$(shell gcc -print-file-name=include)' $(notdir $(MUTANT_TESTS))
+	    --build $(BUILD)/host-mutants --counting $(BUILD)/host-coverage --folder $(MUTANT_FOLDER) --json $(BUILD)/bench/mutants.json \
+	    --flags '-std=c11 -Iinclude -I. -I$(UNITY) $(HOST)' --headers '$(shell gcc -print-file-name=include)' \
+	    $(foreach t,$(notdir $(MUTANT_HASHES)),--hash $t) $(notdir $(MUTANT_TESTS))
 
 .PHONY: mutant_tests
-mutant_tests: $(MUTANT_TESTS) $(call unit_programs,host-coverage)
+mutant_tests: $(MUTANT_TESTS) $(MUTANT_HASHES) $(call unit_programs,host-coverage) $(MUTANT_HASHES:$(BUILD)/host-mutants/%=$(BUILD)/host-coverage/%)

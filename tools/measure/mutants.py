@@ -3,7 +3,8 @@
 
 Each mutant (tools/measure/mutations.py) of the chosen rooms is compiled alone and loaded in the place of the library's
 functions; the tests that execute its lines run, the quickest and the likeliest to notice first, until one fails, crashes,
-or takes ten times as long as without. A test that includes the mutated file is built with it. What no test notices is
+or takes ten times as long as without. Tests that compare bits with known ones come last, and what they alone notice is
+counted apart. A test that includes the mutated file is built with it. What no test notices is
 compiled with optimisation: the same machine code is the same program. Other mutants that change nothing anybody could
 notice are listed with their reasons in tests/proof/mutants.yaml.
 
@@ -64,6 +65,7 @@ class Test:
     program: Path
     counting: Path
     digest: str
+    is_hash: bool = False
     seconds: float = 0
 
     def name(self):
@@ -184,7 +186,7 @@ class Judge:
             killer = self.killed_by(tests, library) or self.killed_inside(mutant, overlay)
             if killer:
                 self.remember(mutant, killer)
-                return {"verdict": KILLED, "by": killer.name(), "digest": killer.digest}
+                return {"verdict": KILLED, "by": killer.name(), "digest": killer.digest, "is_hash": killer.is_hash}
             same = self.same_code(mutant.file, overlay)
         return {"verdict": SAME if same else SURVIVED, "tests": {test.name(): test.digest for test in tests}}
 
@@ -198,7 +200,7 @@ class Judge:
         tests = self.executed.by(mutant)
         with self.lock:
             killers = self.killers.get((mutant.file, mutant.function), Counter())
-            return sorted(tests, key=lambda test: (-killers[test.name()], test.seconds))
+            return sorted(tests, key=lambda test: (test.is_hash, -killers[test.name()], test.seconds))
 
     def remember(self, mutant, killer):
         with self.lock:
@@ -310,14 +312,17 @@ class Count:
 
     mutants: int = 0
     killed: int = 0
+    by_hash: int = 0
     equivalent: int = 0
     survived: int = 0
 
-    def add(self, verdict, is_listed):
+    def add(self, known, is_listed):
+        verdict = known["verdict"]
         if verdict == STILLBORN:
             return
         self.mutants += 1
         self.killed += verdict == KILLED
+        self.by_hash += verdict == KILLED and known.get("is_hash", False)
         self.equivalent += verdict == SAME or is_listed
         self.survived += verdict == SURVIVED and not is_listed
 
@@ -329,7 +334,7 @@ class Count:
         return 100 * self.killed / able if able else 100.0
 
     def row(self, name):
-        return (name, str(self.mutants), str(self.killed), str(self.equivalent), str(self.survived),
+        return (name, str(self.mutants), str(self.killed), str(self.by_hash), str(self.equivalent), str(self.survived),
                 f"{self.percent():.2f}")
 
 
@@ -339,7 +344,7 @@ def count(results, reviewed):
     for mutant, verdict in results:
         survived = verdict["verdict"] == SURVIVED
         is_listed = survived and reviewed.explains(*mutant.name())
-        counts.setdefault(mutant.file, Count()).add(verdict["verdict"], is_listed)
+        counts.setdefault(mutant.file, Count()).add(verdict, is_listed)
         if survived and not is_listed:
             problems.append(f"{mutant.file}:{mutant.lines[0]}: error: {mutant.operator} in {mutant.function}, noticed by none of "
                             f"{len(verdict['tests'])} tests: {marked(mutant.code, mutant.becomes)}")
@@ -354,7 +359,7 @@ def marked(code, becomes):
 
 
 def print_table(rooms, counts):
-    rows = [("file", "mutants", "killed", "equivalent", "survived", "%")]
+    rows = [("file", "mutants", "killed", "by bits", "equivalent", "survived", "%")]
     every = Count()
     for room, files in rooms.items():
         total = Count()
@@ -370,6 +375,8 @@ def print_table(rooms, counts):
 def arguments():
     parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("tests", metavar="TEST", nargs="+", help="names of test programs")
+    parser.add_argument("--hash", metavar="TEST", action="append", default=[],
+                        help="one that compares bits with known ones; judges what the others do not notice")
     parser.add_argument("--room", metavar="NAME", action="append", help="instead of those that can hurt someone")
     parser.add_argument("--build", metavar="DIR", type=Path, required=True, help="tests that load the library")
     parser.add_argument("--counting", metavar="DIR", type=Path, required=True, help="tests that gcov counts")
@@ -412,8 +419,8 @@ def main():
     options.folder.mkdir(parents=True, exist_ok=True)
     options.build = options.build.absolute()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # of mutants that crash
-    tests = [Test(options.build / name, options.counting.absolute() / name, file_digest(options.build / name))
-             for name in options.tests]
+    tests = [Test(options.build / name, options.counting.absolute() / name, file_digest(options.build / name),
+                  name in options.hash) for name in [*options.tests, *options.hash]]
     files = sorted({file for of_room in rooms.values() for file in of_room})
     units = units_of(options.build, files)
     executed = Executed(tests, units, options.counting.absolute(), options.folder)
