@@ -166,8 +166,8 @@ static uint32_t stand_up(uint32_t number)
 static uint32_t drive_commands(uint32_t number)
 {
     for (int i = 0; i < COMMANDS; i++) {
-        const struct jp_skid_command command = {
-            .motion = {noise(config->limits.speed / 2), noise(JP_Q24(0.3))}, .duration = JP_Q16(0.5)};
+        const struct jp_skid_command command = {.motion = {noise(config->limits.speed / 2), noise(JP_Q24(0.3))},
+                                                .duration = JP_Q16(0.5)};
 
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_drive(&robot, &command));
         number = run(number, COMMAND_TICKS);
