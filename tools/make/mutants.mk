@@ -1,4 +1,5 @@
-# How good the tests are: conditions that they show to matter, and faults in the code that they notice.
+# How good the tests are: conditions that they show to matter, faults in the code that they notice, faults of the robot that
+# they inject.
 
 # A room of tests/proof/rooms.yaml, a folder or a source; without, all rooms that can hurt someone.
 ROOM ?=
@@ -56,3 +57,14 @@ mutants: ## faults put into the rooms that can hurt someone, or into ROOM="balan
 
 .PHONY: mutant_tests
 mutant_tests: $(MUTANT_TESTS) $(MUTANT_HASHES) $(call unit_programs,host-coverage) $(MUTANT_HASHES:$(BUILD)/host-mutants/%=$(BUILD)/host-coverage/%)
+
+# ---- The matrix of faults --------------------------------------------------------------------------------------------
+
+FAULT_MATRICES := $(patsubst tests/fault/%.c,$(BUILD)/host-gcc/%,$(wildcard tests/fault/fault_matrix_*.c))
+
+.PHONY: faults
+faults: $(FAULT_MATRICES) ## make tests/FAULTS.md: every fault in every state on every transport, by which test, and what is seen
+	$Q$(PYTHON) -m tools.measure.fault_matrix $(FAULT_MATRICES)
+
+# Its page is proved fresh there.
+$(LOGS)/pytest/tools.xml: $(FAULT_MATRICES)
