@@ -80,7 +80,7 @@ def table_of(cells):
     table = {}
     for cell in cells:
         line = table.setdefault((cell["robot"], cell["transport"], cell["fault"]), {})
-        state = cell.get("state", ANY)
+        state = cell.setdefault("state", ANY)
         if state in line:
             raise ToolError(f"{cell['robot']}, {cell['transport']}, {cell['fault']}, {state}: two cells")
         line[state] = cell
@@ -110,6 +110,8 @@ def detailed(table, robot, transport, fault):
 # ---- The page --------------------------------------------------------------------------------------------------------
 
 def shown(cell):
+    if "impossible" in cell:
+        return "–"
     after = f", {cell['ticks']} ticks" if cell.get("ticks") else ""
     if cell["seen"].startswith("fault: "):
         return cell["seen"].removeprefix("fault: ").replace(" and ", ", ") + after
@@ -122,21 +124,24 @@ def link(test):
 
 
 def row(fault, transport, line, states):
-    tests = dict.fromkeys(link(cell["test"]) for cell in line.values())
+    tests = dict.fromkeys(link(cell["test"]) for cell in line.values() if "impossible" not in cell)
     cells = (line.get(state) or line.get(ANY) for state in states)
     return [fault, transport, *(shown(cell) if cell else EMPTY for cell in cells), " ".join(tests)]
 
 
 def is_impossible(line):
-    return "impossible" in line.get(ANY, {})
+    return all("impossible" in cell for cell in line.values())
 
 
 def reasons(robot, table):
     """Of a robot's impossible lines, each reason once."""
     grouped = {}
     for (name, transport, fault), line in table.items():
-        if name == robot and is_impossible(line):
-            grouped.setdefault((transport, line[ANY]["impossible"]), []).append(fault)
+        if name == robot:
+            for cell in line.values():
+                if "impossible" in cell:
+                    state = "" if cell["state"] == ANY else f" ({cell['state']})"
+                    grouped.setdefault((transport, cell["impossible"]), []).append(f"{fault}{state}")
     for (transport, reason), faults in grouped.items():
         yield f"- {transport}: {', '.join(faults)}: {reason}."
 
