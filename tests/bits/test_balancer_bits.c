@@ -210,6 +210,62 @@ static void drive(const struct jp_robot_config *driven, const struct jp_energy_m
                      jp_robot_state_now(&robot) == JP_ROBOT_DRIVING);
 }
 
+/* ---- Sensors of current that go wrong ---- */
+
+enum { PHASES = 8, PHASE_SAMPLES = 1500 };
+
+/* Of both sensors: offset and gain, and how much the second power of the current bends them. */
+static const struct {
+    jp_q16 offset[2];
+    jp_q16 gain[2];
+    jp_q16 bend;
+} sensors_are[PHASES] = {
+    {{0, 0}, {JP_Q16(1), JP_Q16(1)}, 0},
+    {{JP_Q16(0.3), 0}, {JP_Q16(1), JP_Q16(1)}, 0},
+    {{0, 0}, {JP_Q16(1), JP_Q16(1)}, 0},
+    {{0, 0}, {JP_Q16(1.3), JP_Q16(1)}, 0},
+    {{0, 0}, {JP_Q16(0.75), JP_Q16(0.75)}, 0},
+    {{JP_Q16(-0.2), JP_Q16(0.12)}, {JP_Q16(0.9), JP_Q16(1.07)}, 0},
+    {{0, JP_Q16(0.11)}, {JP_Q16(1), JP_Q16(1)}, JP_Q16(0.2)},
+    {{0, 0}, {JP_Q16(1), JP_Q16(1.06)}, 0},
+};
+
+static jp_q16 sensed(int phase, int side, jp_q16 current)
+{
+    const jp_q16 bent = jp_q16_multiply(jp_q16_multiply(current, current), sensors_are[phase].bend);
+
+    return jp_q16_multiply(current, sensors_are[phase].gain[side]) + sensors_are[phase].offset[side] + bent +
+           noise(JP_Q16(0.03));
+}
+
+static void mix_check(void)
+{
+    mix((uint32_t)check.blame + 16U * check.blame_samples);
+    mix_estimate(&check.left);
+    mix_estimate(&check.right);
+    mix((uint32_t)check.left.bent + 2U * (uint32_t)check.right.bent + 4U * (uint32_t)check.left.changed);
+    mix((uint32_t)check.left.offset.samples + 65536U * check.left.gain.samples);
+}
+
+static void test_sensors_of_current(void)
+{
+    config = &jp_robot_courier24;
+    state = 1;
+    jp_current_check_start(&check, &sensors_checked, &config->monitor);
+    for (int i = 0; i < PHASES * PHASE_SAMPLES; i++) {
+        const jp_q16 volts = i / 300 % 3 == 2 ? 0 : noise(JP_Q16(6)); /* pauses, too */
+        const jp_q16 current = jp_q16_divide(volts, config->monitor.motor_resistance);
+        const int phase = i / PHASE_SAMPLES;
+        const struct jp_motor_sample sample = {.voltages = {volts, volts, false},
+                                               .current_left = sensed(phase, 0, current),
+                                               .current_right = sensed(phase, 1, current)};
+
+        mix(jp_current_check_update(&check, &sample));
+        mix_check();
+    }
+    TEST_ASSERT_EQUAL_HEX32(0xF0793242, hash);
+}
+
 static void test_gao2018(void)
 {
     drive(&jp_robot_gao2018, &jp_energy_model_gao2018);

@@ -4,9 +4,9 @@
 Each mutant (tools/measure/mutations.py) of the chosen rooms is compiled alone and loaded in the place of the library's
 functions; the tests that execute its lines run, the quickest and the likeliest to notice first, until one fails, crashes,
 or takes ten times as long as without. Tests that compare bits with known ones come last, and what they alone notice is
-counted apart. A test that includes the mutated file is built with it. What no test notices is
-compiled with optimisation: the same machine code is the same program. Other mutants that change nothing anybody could
-notice are listed with their reasons in tests/proof/mutants.yaml.
+counted apart. A test that includes the mutated file is built with it. What no test notices is tried with the sanitizer of
+undefined behaviour, and compiled with optimisation: the same machine code is the same program. Other mutants that change
+nothing anybody could notice are listed with their reasons in tests/proof/mutants.yaml.
 
 What is known stays in FOLDER: a mutant is judged again when its file or a header, the library, or the tests that judged
 it have changed. With --sample a part of the mutants, drawn at random from a seed that is printed. Exit status 1: a mutant
@@ -39,6 +39,8 @@ from tools.measure.reviewed import Reviewed
 
 REVIEWED = ROOT / "tests/proof/mutants.yaml"
 KEYS = ("file", "function", "code", "becomes")
+# Undefined behaviour that happens to do no harm here.
+SANITIZED = ("-fsanitize=undefined", "-fno-sanitize-recover=all")
 KILLED, SURVIVED, SAME, STILLBORN = "killed", "survived", "same code", "does not compile"
 SLOWER, SLACK_S, LIMIT_S = 10, 2, 300
 SAVE_EVERY = 100
@@ -164,11 +166,11 @@ class Judge:
         command = ["gcc", f"-I{overlay}", *self.flags, "-w", "-fuse-ld=gold", *map(str, arguments)]
         return subprocess.run(command, capture_output=True, check=False, cwd=ROOT).returncode == 0
 
-    def loaded(self, overlay, file):
+    def loaded(self, overlay, file, *flags):
         """A library of the mutated file, or None."""
         library = overlay / "mutant.so"
         sources = [overlay / file if unit == file else ROOT / unit for unit in self.units[file]]
-        return library if self.compiler(overlay, "-O0", "-fPIC", "-shared", *sources, "-o", library) else None
+        return library if self.compiler(overlay, "-O0", "-fPIC", "-shared", *flags, *sources, "-o", library) else None
 
     def judge(self, mutant, source, known):
         """(verdict, killer or digests of the tests that did not notice)."""
@@ -183,7 +185,8 @@ class Judge:
             library = self.loaded(overlay, mutant.file)
             if library is None:
                 return {"verdict": STILLBORN}
-            killer = self.killed_by(tests, library) or self.killed_inside(mutant, overlay)
+            killer = (self.killed_by(tests, library) or self.killed_inside(mutant, overlay) or
+                      self.killed_by(tests, self.loaded(overlay, mutant.file, *SANITIZED)))
             if killer:
                 self.remember(mutant, killer)
                 return {"verdict": KILLED, "by": killer.name(), "digest": killer.digest, "is_hash": killer.is_hash}

@@ -241,6 +241,13 @@ static void test_each_leg_of_a_trajectory_is_looked_at_and_no_other(void)
     while (jp_robot_has_next(&robot)) {
         run(1);
     }
+    trajectory.count = 1; /* the second is not of it */
+    legs[1].speed = config.limits.speed + 1;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive_trajectory(&robot, &trajectory));
+    while (jp_robot_has_next(&robot)) {
+        run(1);
+    }
+    legs[1].speed = JP_Q24(0.02);
     trajectory.count = 3; /* the third takes the place of the first */
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive_trajectory(&robot, &trajectory));
 }
@@ -265,4 +272,7 @@ static void test_a_balancing_robot_will_stand_where_its_wheels_are_to_be(void)
     shown.state = JP_ROBOT_DRIVING;
     jp_robot_predict_end(&robot, &shown, &end, &heading);
     TEST_ASSERT_INT32_WITHIN(1, JP_Q16(1.1), end.x);
+    shown.command.speed = 127; /* together with one more it would be rounded up */
+    jp_robot_predict_end(&robot, &shown, &end, &heading);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(1), end.x);
 }
