@@ -342,6 +342,35 @@ static void test_a_goal_that_nothing_covers_any_more_cannot_be_reached(void)
     TEST_ASSERT_EQUAL_INT16(17, navigator.internal.goal.x);
 }
 
+static void test_a_goal_is_covered_from_beside_it_too(void)
+{
+    config.radius = JP_Q16(0.2);
+    begin(17, 10);
+    for (int32_t x = 0; x < SIDE; x++) {
+        occupy(x, 12);
+    }
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(17, 9);
+    TEST_ASSERT_EQUAL_INT16(17, navigator.internal.goal.x);
+    TEST_ASSERT_EQUAL_INT16(9, navigator.internal.goal.y);
+}
+
+/* First it can be covered, then it cannot: the planner keeps the goal that it had. */
+static void test_a_goal_that_the_planner_refuses_is_not_taken(void)
+{
+    config.radius = JP_Q16(0.2);
+    begin(17, 10);
+    wall_off(19);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_JOINING));
+    TEST_ASSERT_EQUAL_INT16(16, navigator.internal.goal.x);
+    wall_off(17);
+    for (int32_t y = 0; y < SIDE; y++) {
+        occupy(15, y);
+    }
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_UNREACHABLE));
+    TEST_ASSERT_EQUAL_INT16(16, navigator.internal.goal.x);
+}
+
 static void test_plans_anew_when_the_map_changes_before_it_drives(void)
 {
     begin(18, 4);

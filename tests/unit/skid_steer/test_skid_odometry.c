@@ -642,3 +642,35 @@ static void test_deviations_saturate(void)
     TEST_ASSERT_TRUE(estimate().yy > 0);
     TEST_ASSERT_TRUE(estimate().heading_deviation > 0);
 }
+
+static void start_with(jp_q24 accel_noise, jp_q24 tilt_deviation)
+{
+    config.accel_noise = accel_noise;
+    config.tilt_deviation = tilt_deviation;
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+}
+
+/* What is quieter or louder than the filters can add up counts as the quietest or the loudest. */
+static void test_noise_beyond_the_filters_is_limited(void)
+{
+    start_with(1, JP_Q24(0.5));
+    TEST_ASSERT_EQUAL_INT32((int32_t)1 << 16, odometry.internal.tilt.accel_variance);
+    start_with(JP_Q24(0.5), JP_Q24(0.001));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, odometry.internal.tilt.accel_variance);
+}
+
+static void test_a_bias_that_is_known_to_the_bit_has_a_deviation(void)
+{
+    config.bias_deviation = 1;
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    TEST_ASSERT_EQUAL_INT32(16, odometry.internal.gyro.bias_unit);
+    TEST_ASSERT_TRUE(estimate().gyro_bias_deviation >= 0);
+}
+
+/* As a flipped bit of the memory would leave it: the next step goes on. */
+static void test_a_part_that_is_none_does_nothing(void)
+{
+    odometry.internal.next = (enum jp_skid_odometry_part)99;
+    jp_skid_odometry_update(&odometry, &config, &sensors);
+    TEST_ASSERT_EQUAL_INT(JP_SKID_ADD_UP, odometry.internal.next);
+}

@@ -140,3 +140,15 @@ static void test_where_it_is_now(void)
         before = now;
     }
 }
+
+/* As a flipped bit of the memory would leave it: the path goes on. */
+static void test_a_part_that_is_none_advances(void)
+{
+    begin();
+    run(RATE);
+    robot.internal.follow.next = (enum jp_skid_follow_part)99;
+    run(1);
+    TEST_ASSERT_TRUE(robot.internal.follow.next <= JP_SKID_FOLLOW_TRACK);
+    TEST_ASSERT_NOT_NULL(robot.internal.follow.path);
+    expect_state(JP_SKID_ROBOT_DRIVING);
+}
