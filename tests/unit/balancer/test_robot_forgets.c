@@ -272,7 +272,7 @@ static void test_a_balancing_robot_will_stand_where_its_wheels_are_to_be(void)
     shown.state = JP_ROBOT_DRIVING;
     jp_robot_predict_end(&robot, &shown, &end, &heading);
     TEST_ASSERT_INT32_WITHIN(1, JP_Q16(1.1), end.x);
-    shown.command.speed = 127; /* together with one more it would be rounded up */
+    shown.command.speed = 128; /* together with one more it would be rounded up */
     jp_robot_predict_end(&robot, &shown, &end, &heading);
     TEST_ASSERT_EQUAL_INT32(JP_Q16(1), end.x);
 }
