@@ -303,6 +303,19 @@ static uint8_t tell_learned(const void *self, struct jp_can_frame frames[JP_ECU_
     return 1;
 }
 
+static bool tell_supply(const void *self, struct jp_ecu_supply *supply)
+{
+    const struct jp_ecu_balancer *balancer = self;
+    const struct jp_sensors *good = jp_robot_good_frame(&balancer->robot);
+    struct jp_telemetry telemetry;
+
+    if (good == NULL || !jp_robot_telemetry(&balancer->robot, &telemetry)) {
+        return false;
+    }
+    *supply = (struct jp_ecu_supply){telemetry.energy_battery, __atomic_load_n(&good->bus_voltage, __ATOMIC_RELAXED)};
+    return true;
+}
+
 /* Start. */
 
 static const struct jp_ecu_kind balancer_kind = {
@@ -330,6 +343,7 @@ static const struct jp_ecu_kind balancer_kind = {
     .segments_planned = segments_planned,
     .segment = tell_segment,
     .learned_state = learned_state,
+    .supply = tell_supply,
     .lessons = tell_lessons,
     .tell_learned = tell_learned,
 };

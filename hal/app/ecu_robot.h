@@ -115,6 +115,12 @@ struct jp_ecu_lessons {
     enum jp_stored stored;
 };
 
+/** What feeds the robot, as it measures it. */
+struct jp_ecu_supply {
+    jp_energy drawn; /**< out of the battery since init */
+    jp_q16 voltage;  /**< of the bus, V */
+};
+
 /** The bus, for a kind whose sensors and drives are not those of struct jp_hal. */
 struct jp_ecu_bus {
     void *context;
@@ -195,6 +201,8 @@ struct jp_ecu_kind {
     /** What it has learned, to be stored; NULL: it does not learn. */
     const struct jp_learned_state *(*learned_state)(const void *self);
     void (*lessons)(const void *self, struct jp_ecu_lessons *lessons);
+    /** False: no plausible sample came. NULL: it does not tell. */
+    bool (*supply)(const void *self, struct jp_ecu_supply *supply);
     /** The frames of its kind; returns their number. */
     uint8_t (*tell_learned)(const void *self, struct jp_can_frame frames[JP_ECU_LEARNED_FRAMES]);
 };

@@ -338,6 +338,19 @@ static void note(void *self)
     }
 }
 
+static bool tell_supply(const void *self, struct jp_ecu_supply *supply)
+{
+    const struct jp_ecu_skid *skid = self;
+    const struct jp_sensors *good = jp_skid_robot_good_frame(&skid->robot);
+    struct jp_skid_telemetry telemetry;
+
+    if (good == NULL || !jp_skid_robot_telemetry(&skid->robot, &telemetry)) {
+        return false;
+    }
+    *supply = (struct jp_ecu_supply){telemetry.energy, __atomic_load_n(&good->bus_voltage, __ATOMIC_RELAXED)};
+    return true;
+}
+
 /* Start. */
 
 static const struct jp_ecu_kind skid_kind = {
@@ -365,6 +378,7 @@ static const struct jp_ecu_kind skid_kind = {
     .segments_planned = segments_begun,
     .segment = tell_segment,
     .learned_state = learned_state,
+    .supply = tell_supply,
     .lessons = tell_lessons,
     .tell_learned = tell_learned,
 };

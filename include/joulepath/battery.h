@@ -225,8 +225,8 @@ jp_q31 jp_battery_level_deviation(const struct jp_battery *battery, const struct
 jp_energy jp_battery_energy_left(const struct jp_battery *battery, const struct jp_battery_config *config);
 
 /** The same with its standard deviation, in 2^unit_exponent J, as jp_forecast_reserve() takes it. JP_ERR_OVERFLOW: one
- *  of them is above 32 767 of these, and saturated. JP_ERR_ARGUMENT: a pointer is null. A square root and five 64-bit
- * divisions. */
+ *  of them is above 32 767 of these, and saturated; where it is the energy, the deviation is the same share of it.
+ * JP_ERR_ARGUMENT: a pointer is null. A square root and five 64-bit divisions. */
 enum jp_status jp_battery_forecast_left(const struct jp_battery *battery, const struct jp_battery_config *config,
                                         struct jp_forecast *left);
 

@@ -138,9 +138,12 @@ enum jp_status jp_home_init(struct jp_home *home, const struct jp_home_config *c
 /** Takes other costs for the field, as a tariff makes them of the same lattice; the field grows anew. */
 void jp_home_set_lattice(struct jp_home *home, const struct jp_lattice *lattice);
 
-/** Goes to a goal once the way home is known. Failures as jp_navigator_go(), which may also come later:
- *  JP_HOME_FAILED. */
+/** Goes to a goal once the way home is known. JP_ERR_STATE: the motors are off. JP_ERR_ARGUMENT: a pointer is null.
+ * Other failures as jp_navigator_go() come later: JP_HOME_FAILED. */
 enum jp_status jp_home_go(struct jp_home *home, const struct jp_goal *goal);
+
+/** Brakes to a stand and forgets the goal. */
+void jp_home_stop(struct jp_home *home);
 
 /** Goes home, from wherever it is. Failures as jp_navigator_go(). */
 enum jp_status jp_home_return(struct jp_home *home);
@@ -153,6 +156,9 @@ enum jp_home_state jp_home_work(struct jp_home *home);
  *  JP_ERR_EMPTY: the battery does not say what is left. JP_ERR_ARGUMENT: a pointer is null. Work: that of
  *  jp_forecast_suffices(). */
 enum jp_status jp_home_ask(const struct jp_home *home, struct jp_home_answer *answer);
+
+/** From where the robot is no way leads home, as far as is known. */
+bool jp_home_is_cut_off(const struct jp_home *home);
 
 /** What a way of this cost takes, of those of the same lattice: as the last one that was surveyed, which before the
  * robot leaves is the one home from its goal, with what home has learned of drives. JP_ERR_ARGUMENT: a pointer is

@@ -76,7 +76,7 @@ bool navigation_balancer_init(struct navigation_balancer *balancer, const struct
                                        .body = navigation_body(file),
                                        .margin_m = file->navigation.margin_m / 2,
                                        .unit_exponent = config.model->unit_exponent,
-                                       .supply = {.cells = entry->cells,
+                                       .supply = {.battery = entry->battery,
                                                   .standing_w = file->electronics.power_w,
                                                   .voltage_min_v = file->control.voltage_min_v,
                                                   .feed = feed,

@@ -37,8 +37,7 @@ bool navigation_pack_start(struct navigation_pack *pack, const struct navigation
 /** After each tick of the robot. */
 void navigation_pack_tick(struct navigation_pack *pack);
 
-/** As struct jp_home_config wants them, in the unit of the robot's vehicle. When that is more than the format holds,
- *  energy and deviation are halved until it is not: that is never more probably enough. */
+/** As struct jp_home_config wants them, in the unit of the robot's vehicle. */
 struct jp_forecast navigation_pack_left(const struct navigation_pack *pack);
 jp_q16 navigation_pack_given(const struct navigation_pack *pack);
 

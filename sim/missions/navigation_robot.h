@@ -10,9 +10,9 @@
 
 /** What feeds it: the constant supply of its file until it is fed by cells. */
 struct navigation_supply {
-    const struct jp_battery_cells *cells; /**< that its firmware knows; NULL: none */
-    double standing_w;                    /**< that it takes while it stands */
-    double voltage_min_v;                 /**< of the bus: below, it switches its motors off */
+    const struct jp_battery_config *battery; /**< that its firmware knows; NULL: none */
+    double standing_w;                       /**< that it takes while it stands */
+    double voltage_min_v;                    /**< of the bus: below, it switches its motors off */
     /** From now on cells feed it. */
     void (*feed)(void *self, const struct cell_constants *cell, const struct cell_wiring *wiring,
                  const struct cell_condition *condition);

@@ -156,7 +156,7 @@ bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_
                                        .body = navigation_skid_body(model),
                                        .margin_m = model->navigation.margin_m / 2,
                                        .unit_exponent = entry->energy->unit_exponent,
-                                       .supply = {.cells = entry->cells,
+                                       .supply = {.battery = entry->battery,
                                                   .standing_w = model->electronics.power_w,
                                                   .voltage_min_v = entry->config->monitor.voltage_min / Q16,
                                                   .feed = feed,

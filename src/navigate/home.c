@@ -444,11 +444,25 @@ enum jp_status jp_home_go(struct jp_home *home, const struct jp_goal *goal)
     if (home == NULL || goal == NULL) {
         return JP_ERR_ARGUMENT;
     }
+    if (jp_frame_look(home->config.navigator).phase == JP_VEHICLE_OFF) {
+        return JP_ERR_STATE;
+    }
     home->internal.goal = *goal;
     home->internal.is_goal_known = false;
     home->has_turned_back = false;
     home->state = JP_HOME_PREPARING;
     return JP_OK;
+}
+
+void jp_home_stop(struct jp_home *home)
+{
+    home->state = JP_HOME_IDLE;
+    jp_navigator_stop(home->config.navigator);
+}
+
+bool jp_home_is_cut_off(const struct jp_home *home)
+{
+    return home->internal.is_stuck;
 }
 
 /* Preparation. */

@@ -22,14 +22,26 @@ def numbers(text, member):
 def test_committed_tables_are_fresh(robot, tmp_path):
     result = make(robot, "--tables", tmp_path)
     assert result.returncode == 0, result.stderr
-    made = tmp_path / f"battery_{robot}.c"
-    assert made.read_bytes() == (ROOT / "src" / "tables" / made.name).read_bytes(), f"run make battery ROBOT={robot}"
+    for made in (tmp_path / f"battery_{robot}.c", tmp_path / f"pack_{robot}.c"):
+        assert made.read_bytes() == (ROOT / "src" / "tables" / made.name).read_bytes(), f"run make battery ROBOT={robot}"
 
 
 def test_every_pack_has_its_table():
     packs = sorted(path.stem for path in (ROOT / "sim/robots/packs").glob("*.cfg"))
     assert packs == sorted(ROBOTS)
-    assert packs == sorted(path.stem.removeprefix("battery_") for path in (ROOT / "src/tables").glob("battery_*.c"))
+    for prefix in ("battery_", "pack_"):
+        assert packs == sorted(path.stem.removeprefix(prefix) for path in (ROOT / "src/tables").glob(f"{prefix}*.c"))
+
+
+def test_a_pack_is_believed_as_its_cells_are():
+    cell = (ROOT / "sim/robots/cells/inr18650_p28a.cfg").read_text()
+    capacity = float(re.search(r"capacity_ah = ([\d.]+)", cell).group(1))
+    text = (ROOT / "src/tables/pack_zhang2018.c").read_text()
+    values = {name: int(value) for name, value in re.findall(r"\.(\w+) = (\d+)", text)}
+    assert values["capacity"] == round(18 * 3600 * capacity)
+    assert values["voltage_min"] == pytest.approx(values["voltage_empty"] / 2, abs=1)
+    assert values["voltage_empty"] < values["voltage_nominal"] < values["voltage_full"] < values["voltage_max"]
+    assert "&jp_battery_cells_zhang2018" in text
 
 
 def test_cells_in_parallel_share_the_current(tmp_path):
