@@ -61,7 +61,7 @@ enum jp_home_state {
     JP_HOME_AT_GOAL,   /**< has arrived there */
     JP_HOME_RETURNING, /**< on the way home */
     JP_HOME_HOME,      /**< has arrived there */
-    JP_HOME_FAILED     /**< the goal is blocked, the motors are off, or no way leads home: see the navigator */
+    JP_HOME_FAILED     /**< the goal is blocked, the motors are off, or no way leads home: see the status */
 };
 
 /** At this moment. */
@@ -120,6 +120,9 @@ struct jp_home_internal {
 struct jp_home {
     struct jp_home_config config;
     enum jp_home_state state;
+    /** Why it has failed. JP_ERR_STATE: the motors are off. JP_ERR_NO_PLAN: from where it is no way leads home. JP_OK:
+     * see the navigator. Others: why the goal, or home, is refused, as jp_navigator_go(). */
+    enum jp_status status;
     bool has_turned_back;         /**< since it was told where to go */
     uint32_t ways;                /**< home that were surveyed, saturating */
     struct jp_home_factor factor; /**< the caller may write what was stored after jp_home_init() */

@@ -95,11 +95,12 @@ struct navigation_result {
     double forecast_joules; /**< of the first course */
     double deviation_joules;
     enum jp_home_state home;                /**< at the end, of a robot with a battery */
+    enum jp_status home_status;             /**< why it has failed */
     double given_joules;                    /**< by the battery at its terminals */
     bool is_stranded;                       /**< the battery was empty, or the bus too low, before it was home */
     struct navigation_charge charge_before; /**< of cells, as it was told where to go */
     struct navigation_charge charge;        /**< the same at the end */
-    double least_bus_v;                     /**< of cells */
+    double least_bus_v;                     /**< of cells, the mean of 0.1 s */
     bool has_turned_back;
     double least_probability; /**< of coming home, on the way out */
     double trip_joules;       /**< out and home by the return map, before it left; 0: nobody asked, or no way */

@@ -176,14 +176,32 @@ static const char *home_name(enum jp_home_state state)
     return names[state];
 }
 
+/* Why it has failed; NULL: it has not. */
+static const char *home_reason(const struct navigation_result *result)
+{
+    if (result->home != JP_HOME_FAILED) {
+        return NULL;
+    }
+    switch (result->home_status) {
+    case JP_OK:
+        return navigation_reason_name(result->reason);
+    case JP_ERR_STATE:
+        return "motors off";
+    case JP_ERR_NO_PLAN:
+        return "no way leads home";
+    default:
+        return "the robot cannot stand there";
+    }
+}
+
 static json_t *json_home(const struct navigation_task *task, const struct navigation_result *result)
 {
-    return json_pack("{s:s, s:b, s:b, s:f, s:f, s:f, s:f, s:f, s:f, s:o}", "state", home_name(result->home), "stranded",
-                     result->is_stranded, "turned_back", result->has_turned_back, "battery_j", task->battery->joules,
-                     "confidence", task->battery->confidence, "given_j", result->given_joules, "least_probability",
-                     result->least_probability, "trip_j", result->trip_joules, "trip_deviation_j",
-                     result->trip_deviation_joules, "reach_percent",
-                     json_reach(&task->map->config, task->battery->reach));
+    return json_pack(
+        "{s:s, s:s?, s:b, s:b, s:f, s:f, s:f, s:f, s:f, s:f, s:o}", "state", home_name(result->home), "reason",
+        home_reason(result), "stranded", result->is_stranded, "turned_back", result->has_turned_back, "battery_j",
+        task->battery->joules, "confidence", task->battery->confidence, "given_j", result->given_joules,
+        "least_probability", result->least_probability, "trip_j", result->trip_joules, "trip_deviation_j",
+        result->trip_deviation_joules, "reach_percent", json_reach(&task->map->config, task->battery->reach));
 }
 
 static json_t *json_charge(const struct navigation_charge *charge)
@@ -212,7 +230,10 @@ static void print_charge(const struct navigation_result *result)
 
 static void print_home(const struct navigation_task *task, const struct navigation_result *result)
 {
-    (void)printf("%-24s %s%s%s\n", "home", home_name(result->home), result->has_turned_back ? ", turned back" : "",
+    const char *reason = home_reason(result);
+
+    (void)printf("%-24s %s%s%s%s%s\n", "home", home_name(result->home), reason != NULL ? ": " : "",
+                 reason != NULL ? reason : "", result->has_turned_back ? ", turned back" : "",
                  result->is_stranded ? ", STRANDED: the battery is empty" : "");
     (void)printf("%-24s %8.1f J, standard deviation %.1f J\n", "goal and home, forecast", result->trip_joules,
                  result->trip_deviation_joules);

@@ -341,9 +341,16 @@ static void end_drive(struct jp_home *home)
     (void)jp_home_factor_learn(&home->factor, jp_sub(given_since(home, drive->given), begin), &forecast);
 }
 
-static void fail(struct jp_home *home)
+static void fail(struct jp_home *home, enum jp_status status)
 {
     home->state = JP_HOME_FAILED;
+    home->status = status;
+}
+
+/** Of a navigator that has failed. */
+static enum jp_status failure_of(enum jp_navigator_reason reason)
+{
+    return reason == JP_NAVIGATOR_OFF ? JP_ERR_STATE : JP_OK;
 }
 
 enum jp_status jp_home_return(struct jp_home *home)
@@ -372,20 +379,24 @@ static bool must_return(const struct jp_home *home)
 static void turn_back(struct jp_home *home)
 {
     home->has_turned_back = true;
-    if (jp_home_return(home) != JP_OK) {
-        fail(home);
+    const enum jp_status status = jp_home_return(home);
+
+    if (status != JP_OK) {
+        fail(home, status);
     }
 }
 
 static void leave(struct jp_home *home)
 {
     if (home->internal.is_stuck) {
-        fail(home);
+        fail(home, JP_ERR_NO_PLAN);
     } else if (home->internal.way.is_known && home->internal.is_goal_known) {
         home->state = JP_HOME_OUT;
         begin_drive(home);
-        if (jp_navigator_go(home->config.navigator, &home->internal.goal) != JP_OK) {
-            fail(home);
+        const enum jp_status status = jp_navigator_go(home->config.navigator, &home->internal.goal);
+
+        if (status != JP_OK) {
+            fail(home, status);
         }
     } else {
         /* It waits. */
@@ -411,7 +422,7 @@ static void come_home(struct jp_home *home, enum jp_navigator_state state)
         end_drive(home);
         home->state = JP_HOME_HOME;
     } else if (state > JP_NAVIGATOR_ARRIVED) {
-        fail(home);
+        fail(home, failure_of(home->config.navigator->reason));
     } else {
         /* On its way. */
     }
@@ -450,6 +461,7 @@ enum jp_status jp_home_go(struct jp_home *home, const struct jp_goal *goal)
     home->internal.goal = *goal;
     home->internal.is_goal_known = false;
     home->has_turned_back = false;
+    home->status = JP_OK;
     home->state = JP_HOME_PREPARING;
     return JP_OK;
 }
