@@ -686,7 +686,9 @@ static void follow_battery(struct jp_ecu *ecu)
     struct jp_ecu_supply supply;
 
     if (ecu->internal.battery != NULL && robot->kind->supply != NULL && robot->kind->supply(robot->self, &supply)) {
-        jp_ecu_battery_pass(ecu->internal.battery, &supply, ecu->internal.worked_tick, tick_rate(ecu));
+        if (jp_ecu_battery_pass(ecu->internal.battery, &supply, ecu->internal.worked_tick, tick_rate(ecu))) {
+            robot->kind->lack(robot->self, jp_ecu_battery_lacks(ecu->internal.battery, &supply));
+        }
     }
 }
 

@@ -29,6 +29,7 @@ static void begin(struct jp_ecu_battery *battery, const struct jp_ecu_supply *su
         jp_battery_start(&battery->battery, &battery->config, charge, supply->drawn) == JP_OK) {
         battery->has_started = true;
         battery->origin = supply->drawn;
+        battery->before = supply->drawn;
         battery->tick = tick;
     }
 }
@@ -42,6 +43,14 @@ static void expect_load(struct jp_ecu_battery *battery)
     battery->config.load = jp_clamp32(jp_divide(a_second, battery->config.voltage_nominal), 0, LOAD_MAX);
 }
 
+static void note_power(struct jp_ecu_battery *battery)
+{
+    const jp_q16 power = jp_energy_to_q16((battery->drawn - battery->before) * (int64_t)battery->config.update_rate, 0);
+
+    battery->before = battery->drawn;
+    battery->power = power > battery->power ? power : battery->power;
+}
+
 static void update(struct jp_ecu_battery *battery)
 {
     const jp_q16 voltage = (jp_q16)(battery->voltage / (int64_t)battery->samples);
@@ -51,9 +60,10 @@ static void update(struct jp_ecu_battery *battery)
     battery->samples = 0;
     battery->updates = jp_one_more32(battery->updates);
     expect_load(battery);
+    note_power(battery);
 }
 
-void jp_ecu_battery_pass(struct jp_ecu_battery *battery, const struct jp_ecu_supply *supply, uint32_t tick,
+bool jp_ecu_battery_pass(struct jp_ecu_battery *battery, const struct jp_ecu_supply *supply, uint32_t tick,
                          uint32_t tick_rate)
 {
     const uint32_t period = tick_rate / battery->config.update_rate;
@@ -61,15 +71,24 @@ void jp_ecu_battery_pass(struct jp_ecu_battery *battery, const struct jp_ecu_sup
     battery->drawn = supply->drawn;
     if (!battery->has_started) {
         begin(battery, supply, tick);
-        return;
+        return false;
     }
     battery->voltage += supply->voltage;
     battery->samples++;
-    if (tick - battery->tick >= period) {
-        /* A slice that took longer does not slow the battery's clock. */
-        battery->tick = tick - battery->tick < 2U * period ? battery->tick + period : tick;
-        update(battery);
+    if (tick - battery->tick < period) {
+        return false;
     }
+    /* A slice that took longer does not slow the battery's clock. */
+    battery->tick = tick - battery->tick < 2U * period ? battery->tick + period : tick;
+    update(battery);
+    return true;
+}
+
+jp_q16 jp_ecu_battery_lacks(const struct jp_ecu_battery *battery, const struct jp_ecu_supply *supply)
+{
+    const jp_q16 power = supply->cruise > battery->power ? supply->cruise : battery->power;
+
+    return jp_battery_lacks(&battery->battery, &battery->config, power);
 }
 
 bool jp_ecu_battery_left(void *battery, struct jp_forecast *left)

@@ -4,7 +4,9 @@
  *
  *   jp_ecu_battery_pass()  from the background, as often as it works: updates at the battery's own rate
  *
- * The charge that it begins with is that of the voltage while the motors are off. All calls are of the background.
+ * The charge that it begins with is that of the voltage while the motors are off. What the bus will lack is told for
+ * the greatest power that the robot has taken, and at least for that of its highest speed: so its plans never ask for
+ * what is not there. All calls are of the background.
  */
 #ifndef JOULEPATH_HAL_APP_ECU_BATTERY_H
 #define JOULEPATH_HAL_APP_ECU_BATTERY_H
@@ -28,6 +30,8 @@ struct jp_ecu_battery {
     uint32_t samples; /* of them */
     uint32_t tick;    /* of the last update */
     uint32_t updates; /* since it began, saturating */
+    jp_energy before; /* drawn at the last update */
+    jp_q16 power;     /* greatest mean between two updates, W */
 };
 
 /** Prepares it for energies in 2^unit_exponent J. What config->cells shows must stay. JP_ERR_CONFIG: *field names the
@@ -36,9 +40,12 @@ struct jp_ecu_battery {
 enum jp_status jp_ecu_battery_init(struct jp_ecu_battery *battery, const struct jp_battery_config *config,
                                    int32_t unit_exponent, const char **field);
 
-/** Takes a sample at this tick, of `tick_rate` a second. Work: that of jp_battery_update(). */
-void jp_ecu_battery_pass(struct jp_ecu_battery *battery, const struct jp_ecu_supply *supply, uint32_t tick,
+/** Takes a sample at this tick, of `tick_rate` a second. True: it was an update. Work: that of jp_battery_update(). */
+bool jp_ecu_battery_pass(struct jp_ecu_battery *battery, const struct jp_ecu_supply *supply, uint32_t tick,
                          uint32_t tick_rate);
+
+/** What the bus will lack at most, V; after the first update. Work: that of jp_battery_lacks(). */
+jp_q16 jp_ecu_battery_lacks(const struct jp_ecu_battery *battery, const struct jp_ecu_supply *supply);
 
 /** For jp_home_config, with the battery as context: J in its unit, saturated. False: no voltage came yet. */
 bool jp_ecu_battery_left(void *battery, struct jp_forecast *left);

@@ -72,6 +72,7 @@ static bool start_battery(struct navigation_pack *pack, uint64_t seed)
     const double known = fmin(fmax(pack->charge + random_gaussian(&random, pack->config.charge_deviation / Q31), 0), 1);
 
     pack->energy = pack->robot->supply.metered(pack->robot->self);
+    pack->before = pack->energy;
     return jp_battery_start(&pack->battery, &pack->config, (jp_charge)(known * pack->config.capacity * JOULE),
                             pack->energy) == JP_OK;
 }
@@ -82,6 +83,18 @@ static void expect_load(struct navigation_pack *pack)
     const double joules = (double)(pack->robot->supply.metered(pack->robot->self) - pack->energy) / JOULE;
 
     pack->config.load = q16(fmax(joules / pack->seconds, 0) * Q16 / pack->config.voltage_nominal);
+}
+
+/** As an ECU does: jp_ecu_battery_lacks(). */
+static void plan_for_what_is_there(struct navigation_pack *pack)
+{
+    const struct navigation_supply *supply = &pack->robot->supply;
+    const jp_energy now = supply->metered(pack->robot->self);
+
+    pack->most_w = fmax(pack->most_w, (double)(now - pack->before) / JOULE * pack->config.update_rate);
+    pack->before = now;
+    supply->lack(pack->robot->self,
+                 jp_battery_lacks(&pack->battery, &pack->config, q16(fmax(pack->most_w, supply->cruise_w))));
 }
 
 void navigation_pack_tick(struct navigation_pack *pack)
@@ -99,6 +112,7 @@ void navigation_pack_tick(struct navigation_pack *pack)
         pack->voltage = 0;
         pack->ticks = 0;
         expect_load(pack);
+        plan_for_what_is_there(pack);
     }
 }
 

@@ -27,7 +27,9 @@ struct navigation_pack {
     int64_t voltage;  /**< sum of the ticks since the last update, V in Q16 */
     unsigned ticks;   /**< that many */
     unsigned ticks_an_update;
-    double least_v; /**< bus, mean of an update's ticks, since it began */
+    double least_v;   /**< bus, mean of an update's ticks, since it began */
+    jp_energy before; /**< metered at the last update */
+    double most_w;    /**< greatest mean power between two updates */
 };
 
 /** The cells feed the robot, which stands, from now on; its idea of the charge is off by as much as the seed draws.

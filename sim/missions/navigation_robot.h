@@ -20,6 +20,9 @@ struct navigation_supply {
     /** Its own meter and its measured bus voltage. */
     jp_energy (*metered)(const void *self);
     jp_q16 (*bus_voltage)(const void *self);
+    double cruise_w; /**< that it takes at its highest speed on level ground, as its model has it */
+    /** What it plans from now on gets by with so many volts less than it was designed for. */
+    void (*lack)(void *self, jp_q16 lacking);
 };
 
 /** Switched on and standing. */

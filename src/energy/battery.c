@@ -32,6 +32,7 @@ enum jp_status jp_battery_check(const struct jp_battery_config *config, const ch
         FIELD(reserve, 0, (jp_q31)1 << 30),
         FIELD(charge_deviation, 0, (jp_q31)1 << 30),
         FIELD(load, 0, JP_Q16(1024)),
+        FIELD(voltage_designed, 0, JP_Q16(1000)),
         FIELD(unit_exponent, -JP_ENERGY_UNIT_EXPONENT_MAX, JP_ENERGY_UNIT_EXPONENT_MAX),
         FIELD(voltage_min, JP_Q16_ONE, INT32_MAX),
         FIELD(voltage_max, INT32_MIN, JP_Q16(1000)),

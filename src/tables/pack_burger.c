@@ -16,6 +16,7 @@ const struct jp_battery_config jp_battery_config_burger = {
     .reserve = 214748365,              /* 0.1 */
     .charge_deviation = 107374182,     /* 0.05 */
     .load = 0,                         /* A: who forecasts knows it */
+    .voltage_designed = 727450,        /* 11.1 V */
     .update_rate = 10U,                /* 1/s */
     .cells = &jp_battery_cells_burger, /* that it is made of */
     .unit_exponent = 0,                /* as the robot's energy model */

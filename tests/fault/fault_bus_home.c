@@ -4,6 +4,7 @@
  */
 #include <joulepath/tables.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "sim/balancer/rig.h"
@@ -202,6 +203,72 @@ static void test_it_turns_back_only_where_it_shall(void)
     start_burger(0.08);
     pass_until(JP_NAVIGATION_DONE);
     expect_told(JP_HOME_TOLD_TOO_LITTLE);
+}
+
+/* ---- What the bus has less ---- */
+
+/** Low, after 500 cycles, at -10 °C. */
+static struct cell_condition low_old_cold = {0.07, -10, 500};
+
+static uint32_t saturated_until_done(bool knows_its_cells)
+{
+    pass(2);
+    if (!knows_its_cells) {
+        ecu.node.lockstep.ecu.internal.battery = NULL;
+    }
+    pass_until(JP_NAVIGATION_DRIVING);
+    const uint32_t before = drive.view.motors.saturated_ticks;
+
+    pass_until(JP_NAVIGATION_DONE);
+    return drive.view.motors.saturated_ticks - before;
+}
+
+/** Ticks of a drive in which the bus had not the voltage that the robot asked for. */
+static uint32_t saturated_of_burger(bool knows_its_cells)
+{
+    struct cell_constants cell;
+    struct cell_wiring wiring;
+
+    start_burger(0.5);
+    TEST_ASSERT_TRUE(pack_file_load_robot("burger", &cell, &wiring));
+    skid_plant_feed(&drive.plant.skid.plant, &cell, &wiring, &low_old_cold);
+    return saturated_until_done(knows_its_cells);
+}
+
+static uint32_t saturated_of_courier(bool knows_its_cells)
+{
+    struct cell_constants cell;
+    struct cell_wiring wiring;
+
+    start_courier(&jp_energy_model_courier24_battery, -1);
+    TEST_ASSERT_TRUE(pack_file_load_robot("courier24", &cell, &wiring));
+    world_feed(&drive.plant.world, &cell, &wiring, &low_old_cold);
+    return saturated_until_done(knows_its_cells);
+}
+
+static void test_its_plans_ask_for_what_is_there(void)
+{
+    for (int percent = 2; percent <= 4; percent++) {
+        low_old_cold.charge = percent / 100.0;
+        const uint32_t without = saturated_of_burger(false);
+        const uint32_t with = saturated_of_burger(true);
+
+        (void)printf("burger on an old and cold battery at %d %%: %u ticks without the voltage that it asked for, %u "
+                     "where it knows its cells\n",
+                     percent, without, with);
+        TEST_ASSERT_GREATER_THAN_UINT32(0, without);
+        TEST_ASSERT_EQUAL_UINT32(0, with);
+    }
+}
+
+/* Its balance has a reserve besides. */
+static void test_the_balancers_plans_do_so_too(void)
+{
+    low_old_cold.charge = 0.05;
+    TEST_ASSERT_EQUAL_UINT32(0, saturated_of_courier(true));
+    TEST_ASSERT_FALSE(drive.plant.world.plant.fallen);
+    TEST_ASSERT_TRUE(ecu.node.balancer.robot.pilot.internal.trajectory.voltage <
+                     jp_robot_courier24.trajectory.voltage - JP_Q16(3));
 }
 
 static void test_what_the_motors_take_says_nothing_of_the_battery(void)

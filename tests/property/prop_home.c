@@ -344,6 +344,8 @@ static void test_fails_where_the_way_home_is_blocked_for_good(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_return(&home));
     TEST_ASSERT_FALSE(work_home_until(JP_HOME_HOME));
     TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, home.state);
+    TEST_ASSERT_EQUAL_INT(JP_OK, home.status);
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_UNREACHABLE, navigator.state);
 }
 
 static void test_a_blocked_goal_fails_when_it_leaves(void)
@@ -352,7 +354,54 @@ static void test_a_blocked_goal_fails_when_it_leaves(void)
     go_out(0, 0);
     TEST_ASSERT_FALSE(work_home_until(JP_HOME_OUT));
     TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, home.state);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_BLOCKED, home.status);
     TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, jp_home_work(&home));
+    /* And another goal is another task. */
+    go_out(19, 4);
+    TEST_ASSERT_EQUAL_INT(JP_OK, home.status);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_OUT));
+}
+
+static void test_motors_that_are_off_are_named(void)
+{
+    init_home();
+    robot.view.phase = JP_VEHICLE_OFF;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_home_go(&home, &(struct jp_goal){19, 4, JP_ANY_HEADING}));
+    TEST_ASSERT_EQUAL_INT(JP_HOME_IDLE, home.state);
+    /* Before it leaves. */
+    robot.view.phase = JP_VEHICLE_STANDING;
+    go_out(19, 4);
+    robot.view.phase = JP_VEHICLE_OFF;
+    TEST_ASSERT_FALSE(work_home_until(JP_HOME_OUT));
+    TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, home.state);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, home.status);
+    /* On its way home. */
+    robot.view.phase = JP_VEHICLE_STANDING;
+    go_out(19, 4);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_return(&home));
+    while (navigator.state != JP_NAVIGATOR_DRIVING) {
+        work_some(1);
+    }
+    robot.view.phase = JP_VEHICLE_OFF;
+    TEST_ASSERT_FALSE(work_home_until(JP_HOME_HOME));
+    TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, home.state);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, home.status);
+}
+
+static void test_stop_ends_it(void)
+{
+    init_home();
+    go_out(19, 4);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_OUT));
+    work_some(40);
+    jp_home_stop(&home);
+    TEST_ASSERT_EQUAL_INT(JP_HOME_IDLE, home.state);
+    battery.energy = 0;
+    work_some(200);
+    TEST_ASSERT_EQUAL_INT(JP_HOME_IDLE, home.state);
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_IDLE, navigator.state);
+    TEST_ASSERT_FALSE(home.has_turned_back);
 }
 
 /* It stands where no way home begins. */
@@ -364,6 +413,8 @@ static void test_fails_where_no_way_leads_home(void)
     go_out(8, 8);
     TEST_ASSERT_FALSE(work_home_until(JP_HOME_OUT));
     TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, home.state);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_NO_PLAN, home.status);
+    TEST_ASSERT_TRUE(jp_home_is_cut_off(&home));
 }
 
 static void test_fails_to_turn_back_when_its_motors_are_off(void)
@@ -382,6 +433,7 @@ static void test_fails_to_turn_back_when_its_motors_are_off(void)
     battery.energy = 0;
     work_some(2);
     TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, home.state);
+    TEST_ASSERT_NOT_EQUAL_INT(JP_OK, home.status);
     TEST_ASSERT_TRUE(home.has_turned_back);
 }
 

@@ -42,11 +42,27 @@ def test_a_pack_is_believed_as_its_cells_are():
     assert values["voltage_min"] == pytest.approx(values["voltage_empty"] / 2, abs=1)
     assert values["voltage_empty"] < values["voltage_nominal"] < values["voltage_full"] < values["voltage_max"]
     assert "&jp_battery_cells_zhang2018" in text
+    assert values["voltage_designed"] == round(46.2 * 65536)
+
+
+def test_a_pack_without_a_robot_is_refused(tmp_path):
+    path = write_pack(tmp_path, "alone", PACK)
+    (tmp_path / "alone.cfg").unlink()
+    assert_one_line_error(make(path, "--tables", tmp_path), "alone.cfg")
+
+
+def write_pack(folder, name, text, robot="courier24"):
+    """The file of a pack, and beside its folder that of its robot."""
+    (folder / f"{name}.cfg").write_bytes((ROOT / f"sim/robots/{robot}.cfg").read_bytes())
+    path = folder / "packs" / f"{name}.cfg"
+    path.parent.mkdir()
+    path.write_text(text)
+    return path
 
 
 def test_cells_in_parallel_share_the_current(tmp_path):
-    path = tmp_path / "double.cfg"
-    path.write_text(PACK.replace("parallel = 1", "parallel = 2").replace("wiring_ohm = 0.04", "wiring_ohm = 0.0"))
+    path = write_pack(tmp_path, "double",
+                      PACK.replace("parallel = 1", "parallel = 2").replace("wiring_ohm = 0.04", "wiring_ohm = 0.0"))
     assert make(path, "--tables", tmp_path).returncode == 0
     double = (tmp_path / "battery_double.c").read_text()
     single = (ROOT / "src/tables/battery_courier24.c").read_text()
@@ -66,8 +82,7 @@ def test_cells_in_parallel_share_the_current(tmp_path):
     ("wiring_ohm = 0.04", "wiring_ohm = 100.0", "resistance"),
 ])
 def test_what_is_refused(old, new, culprit, tmp_path):
-    path = tmp_path / "bad.cfg"
     assert old in PACK
-    path.write_text(PACK.replace(old, new))
+    path = write_pack(tmp_path, "bad", PACK.replace(old, new))
     assert_one_line_error(make(path, "--tables", tmp_path), culprit)
-    assert [made.name for made in tmp_path.iterdir()] == ["bad.cfg"]
+    assert [made.name for made in tmp_path.iterdir()] == ["bad.cfg", "packs"]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The battery of a robot for the core's filter, from the files of its pack and of the cell.
+"""The battery of a robot for the core's filter, from the files of its pack, of the cell and of the robot.
 
 Writes src/tables/battery_<robot>.c and pack_<robot>.c. Exit status 2: bad input; nothing was written.
 """
@@ -63,6 +63,10 @@ class Settings:
 
     def error(self, key, reason):
         return ToolError(f"{self.source}: {key}: {reason}")
+
+    def first(self, *keys):
+        """Of these keys, which mean the same in files of different kinds of robots, that which is there."""
+        return next((key for key in keys if key in self._values), keys[0])
 
     def _number(self, key, text):
         try:
@@ -135,7 +139,7 @@ def identity(members):
     return zlib.crc32(" ".join(values).encode()) or 1
 
 
-def settings_of(pack, cell, name):
+def settings_of(pack, cell, robot, name):
     """Members of struct jp_battery_config. The bus is believed between half of the empty cells' voltage, at which they
     give most power, and what the full ones have and that half."""
     to = c_tables.Converter(f"battery of {name}")
@@ -156,6 +160,7 @@ def settings_of(pack, cell, name):
         to.q31("reserve", RESERVE, "", 0, 0.5),
         to.q31("charge_deviation", CHARGE_DEVIATION, "", 0, 0.5),
         c_tables.Member("load", "0", "A: who forecasts knows it"),
+        to.q16("voltage_designed", robot.number(robot.first("supply.voltage_v", "electronics.voltage_v")), "V", 1, 1000),
         to.whole("update_rate", UPDATE_RATE, "1/s", 1, 1000),
         c_tables.Member("cells", f"&jp_battery_cells_{name}", "that it is made of"),
         c_tables.Member("unit_exponent", "0", "as the robot's energy model"),
@@ -167,11 +172,11 @@ def tables(path):
     pack = Settings(path)
     name = path.stem
     cell_path = ROOT / "sim" / "robots" / "cells" / f"{pack.text('cell')}.cfg"
-    cell = Settings(cell_path)
+    cell, robot = Settings(cell_path), Settings(path.resolve().parents[1] / path.name)
     members = members_of(pack, cell, name)
     members.append(c_tables.Member("identity", f"0x{identity(members):08X}U"))
     kinds = (("battery", "jp_battery_cells", members, ()),
-             ("pack", "jp_battery_config", settings_of(pack, cell, name), ("joulepath/tables.h",)))
+             ("pack", "jp_battery_config", settings_of(pack, cell, robot, name), ("joulepath/tables.h",)))
     return {f"{stem}_{name}.c": c_tables.Table(f"make battery ROBOT={name}", shown_path(path),
                                                f"Its cell: {shown_path(cell_path)}.", "joulepath/battery.h", kind,
                                                f"{kind}_{name}", values, others)

@@ -131,6 +131,32 @@ static void test_a_slice_that_takes_long_does_not_slow_it(void)
     TEST_ASSERT_EQUAL_UINT32(4, battery.updates);
 }
 
+static void test_what_the_bus_will_lack(void)
+{
+    jp_q16 standing;
+    jp_q16 driving;
+
+    supply.cruise = JP_Q16(6);
+    pass(1, 0);
+    pass(100, 4);
+    TEST_ASSERT_EQUAL_INT32(jp_battery_lacks(&battery.battery, &battery.config, JP_Q16(6)),
+                            jp_ecu_battery_lacks(&battery, &supply));
+    standing = jp_ecu_battery_lacks(&battery, &supply);
+    /* Of 24 V by 22 V of open circuit, and what the cells lose. */
+    TEST_ASSERT_GREATER_THAN_INT32(JP_Q16(1.5), standing);
+    TEST_ASSERT_LESS_THAN_INT32(JP_Q16(3), standing);
+    /* The greatest power counts from then on. */
+    pass(100, 60);
+    driving = jp_ecu_battery_lacks(&battery, &supply);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.1), JP_Q16(60), battery.power);
+    TEST_ASSERT_GREATER_THAN_INT32(standing + JP_Q16(0.3), driving);
+    pass(1000, 4);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.1), JP_Q16(60), battery.power);
+    /* Nothing is lacking where it is not told for what the robot was designed. */
+    battery.config.voltage_designed = 0;
+    TEST_ASSERT_EQUAL_INT32(0, jp_ecu_battery_lacks(&battery, &supply));
+}
+
 static void test_what_it_has_given(void)
 {
     make(-4);
