@@ -357,8 +357,8 @@ static void conclude(struct navigation *navigation)
     result->home = navigation->home.state;
     result->home_status = navigation->home.status;
     result->has_turned_back = navigation->home.has_turned_back;
-    if (navigation->task->battery != NULL && navigation->task->battery->factor != NULL) {
-        *navigation->task->battery->factor = navigation->home.factor;
+    if (navigation->task->battery != NULL && navigation->task->battery->learned != NULL) {
+        *navigation->task->battery->learned = navigation->home.learned;
     }
     if (has_pack(navigation)) {
         result->charge = navigation_pack_charge(navigation->task->battery->pack);
@@ -443,8 +443,8 @@ static bool prepare_home(struct navigation *navigation)
         error_line("--home: %s is refused; begin where the robot can stand", field != NULL ? field : "the place");
         return false;
     }
-    if (task->battery->factor != NULL) {
-        navigation->home.factor = *task->battery->factor;
+    if (task->battery->learned != NULL) {
+        navigation->home.learned = *task->battery->learned;
     }
     return true;
 }

@@ -41,12 +41,12 @@ struct navigation_frame {
 /** What is in the battery of a robot that comes back to where it began: J of the energy that the vehicle's model
  * counts. */
 struct navigation_battery {
-    double joules;                 /**< truly */
-    double believed;               /**< by the battery's own estimate, */
-    double deviation;              /**< which states this deviation */
-    struct navigation_pack *pack;  /**< NULL: the above; else cells with a charge, which navigation_run() starts */
-    double confidence;             /**< with which the robot shall come home; below it it turns back; 0: never */
-    struct jp_home_factor *factor; /**< what it has learned of courses, kept; NULL: a new robot's */
+    double joules;                   /**< truly */
+    double believed;                 /**< by the battery's own estimate, */
+    double deviation;                /**< which states this deviation */
+    struct navigation_pack *pack;    /**< NULL: the above; else cells with a charge, which navigation_run() starts */
+    double confidence;               /**< with which the robot shall come home; below it it turns back; 0: never */
+    struct jp_home_learned *learned; /**< what it has learned of drives, kept; NULL: a new robot's */
     /** Of each cell, row by row from the south, before the robot leaves: how probably it goes there and comes home, %;
      * −1: no way leads there. NULL: nobody asks. */
     int8_t *reach;
