@@ -362,10 +362,8 @@ static void end_drive(struct jp_home *home, struct jp_home_factor *factor)
     const jp_q16 begin = begin_energy(home);
     const struct jp_forecast forecast = {jp_add(drive->forecast.energy, begin), drive->forecast.deviation};
 
-    /* A drive without a course, or that took nothing, teaches nothing; nor one before any way was surveyed. */
-    if (drive->has_forecast) {
-        (void)jp_home_factor_learn(factor, given_since(home, drive->given), &forecast, begin);
-    }
+    /* A drive that took nothing teaches nothing, nor one before any way was surveyed. */
+    (void)jp_home_factor_learn(factor, given_since(home, drive->given), &forecast, begin);
 }
 
 static void fail(struct jp_home *home, enum jp_status status)

@@ -10,7 +10,7 @@
 
 enum { SIDE = 10, BLOCK_BYTES = 2400, LEGS_MAX = 4, STREAM_MAX = 48 };
 
-#define FIELD_BYTES (SIDE * SIDE * JP_HEADINGS * 3 + SIDE * JP_HEADINGS * 4)
+#define FIELD_BYTES (SIDE * SIDE * JP_HEADINGS * 3 + SIDE * JP_HEADINGS / 32 * SIDE * 4 + SIDE * JP_HEADINGS * 4)
 #define CONFIDENCE  (JP_Q31_MAX / 1000 * 999)
 
 static uint64_t map_memory[SIDE];
@@ -202,10 +202,10 @@ static void test_a_home_that_is_refused(void)
     expect_nothing_known(JP_HOME_TOLD_NONE);
 }
 
-/** For longer than a test takes. */
+/** And for ever. */
 static void seek_anew(void)
 {
-    home.config.slice = 1;
+    home.config.slice = 0;
     home.internal.way.is_known = false;
     jp_home_set_lattice(&home, &jp_lattice_courier24);
 }
@@ -273,8 +273,8 @@ static void test_what_the_way_takes(void)
     const struct jp_can_home_status_t status = told();
 
     TEST_ASSERT_UINT32_WITHIN(40, 2 * 105 * 8, status.way); /* J / 8, by the factor of a new robot */
-    TEST_ASSERT_GREATER_THAN_UINT32(2 * 10 * 8, status.way_deviation);
-    TEST_ASSERT_LESS_THAN_UINT32(2 * 20 * 8, status.way_deviation);
+    /* 0.06 of it by what a new robot knows of drives, and 2 of the learner. */
+    TEST_ASSERT_UINT32_WITHIN(6, 102, status.way_deviation);
     know_a_way(15);
     TEST_ASSERT_EQUAL_UINT32((1U << 20) - 1U, told().way);
 }

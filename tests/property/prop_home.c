@@ -14,7 +14,10 @@
 #include "tests/support/random.h"
 #include "unity.h"
 
-enum { FIELD_BYTES = SIDE * SIDE * JP_HEADINGS * 3 + SIDE * JP_HEADINGS * 4, CALLS_MAX = 60000 };
+enum {
+    FIELD_BYTES = SIDE * SIDE * JP_HEADINGS * 3 + SIDE * JP_HEADINGS / 32 * SIDE * 4 + SIDE * JP_HEADINGS * 4,
+    CALLS_MAX = 60000
+};
 
 #define CONFIDENCE ((jp_q31)2145336164) /* 0.999 */
 
@@ -362,6 +365,15 @@ static void test_a_blocked_goal_fails_when_it_leaves(void)
     go_out(19, 4);
     TEST_ASSERT_EQUAL_INT(JP_OK, home.status);
     TEST_ASSERT_TRUE(work_home_until(JP_HOME_OUT));
+}
+
+/* It is there already. */
+static void test_a_drive_without_a_course_teaches_nothing(void)
+{
+    init_home();
+    go_out(4, 4);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
+    TEST_ASSERT_EQUAL_MEMORY(&jp_home_learned_new, &home.learned, sizeof home.learned);
 }
 
 static void test_motors_that_are_off_are_named(void)
