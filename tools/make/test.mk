@@ -93,7 +93,7 @@ $(LOGS)/$1/test_%.log: $(BUILD)/$1/test_%
 	$$(call SAY,RUN $$<)
 	$$Q$(RUN) $$@ $(UNIT_LIMIT) $(RUN.$1) $$< $$(CLOCK)
 endef
-$(foreach v,host-coverage $(HOST_TESTS) $(sort $(ALL_UNIT_CORES) $(SPEED_VARIANTS)),$(eval $(call unit_rules,$v)))
+$(foreach v,host-coverage host-mcdc $(HOST_TESTS) $(sort $(ALL_UNIT_CORES) $(SPEED_VARIANTS)),$(eval $(call unit_rules,$v)))
 
 # Equal bits on every core; with scenes, which are integers only.
 define bits_rules
@@ -102,7 +102,7 @@ $(BUILD)/$1/test_%_bits: $(BUILD)/$1/tests/bits/test_%_bits.o $(BUILD)/$1/tests/
                          $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libjoulepath.a
 	$$(call $(if $(BOARD.$1),link_target,link_core),$1)
 endef
-$(foreach v,$(HOST_TESTS) $(SPEED_VARIANTS),$(eval $(call bits_rules,$v)))
+$(foreach v,host-coverage $(HOST_TESTS) $(SPEED_VARIANTS),$(eval $(call bits_rules,$v)))
 
 # What the targets' own support is made of.
 define support_test_rules
