@@ -113,7 +113,8 @@ class Image:
         it is about the one with these calls."""
         called = {address: plain(self._names[address]) for address in graph.calls()}
         for number, exclusion in enumerate(self._facts["exclusions"]):
-            sides = [{address for address, name in called.items() if name in exclusion[side]} for side in ("if", "never")]
+            sides = [{address for address, name in called.items() if name in exclusion[side]}
+                     for side in ("if", "never")]
             if exclusion["function"] == plain(graph.name) and all(sides):
                 self.used.add(number)
                 yield sides
@@ -151,7 +152,8 @@ def wrong(bounds):
         if bound.bound < bound.measured:
             yield f"{bound.figure}: bound {bound.bound} is below the measured {bound.measured}"
         elif bound.ratio() > BAR:
-            yield f"{bound.figure}: bound {bound.bound} is {bound.ratio():.2f} times the measured {bound.measured}, bar {BAR}"
+            yield (f"{bound.figure}: bound {bound.bound} is {bound.ratio():.2f} times the measured {bound.measured}, "
+                   f"bar {BAR}")
 
 
 def main():
@@ -165,7 +167,8 @@ def main():
     bounds = list(measure(options.folder, core_numbers.read_json(options.facts), read_figures(options.figures)))
     print_aligned([("what runs", "bound", "measured", "ratio", "measured as"),
                    *((b.name, str(b.bound), str(b.measured), f"{b.ratio():.2f}", b.figure) for b in bounds)])
-    write_whole(core_numbers.measured_path("instruction_bounds"), json.dumps([vars(b) | {"ratio": round(b.ratio(), 3)} for b in bounds], indent=1) + "\n")
+    rows = [vars(bound) | {"ratio": round(bound.ratio(), 3)} for bound in bounds]
+    write_whole(core_numbers.measured_path("instruction_bounds"), json.dumps(rows, indent=1) + "\n")
     misses = list(wrong(bounds))
     for line in misses:
         print(line)
