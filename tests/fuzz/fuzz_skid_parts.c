@@ -7,6 +7,7 @@
 #include <joulepath/skid_robot.h>
 #include <joulepath/tables.h>
 
+#include "tests/fuzz/fuzz_config.h"
 #include "tests/fuzz/fuzz_sensors.h"
 
 #define TICKS 1000U
@@ -16,12 +17,6 @@ static struct jp_skid_control control;
 static struct jp_skid_monitor monitor;
 static struct jp_skid_odometry odometry;
 
-static bool accepted(enum jp_status status, const char *field)
-{
-    fuzz_require(status == JP_OK || (status == JP_ERR_CONFIG && field != NULL && field[0] != '\0'), "a nameless field");
-    return status == JP_OK;
-}
-
 static bool start(struct fuzz_input *input, const struct jp_sensors *sensors)
 {
     const char *field = NULL;
@@ -29,20 +24,15 @@ static bool start(struct fuzz_input *input, const struct jp_sensors *sensors)
     FUZZ_CHANGE(input, config.control);
     FUZZ_CHANGE(input, config.wheels);
     FUZZ_CHANGE(input, config.odometry);
-    if (!accepted(jp_skid_control_check(&config.control, &field), field) ||
-        !accepted(jp_skid_monitor_check(&config.wheels, &field), field) ||
-        !accepted(jp_skid_odometry_check(&config.odometry, &field), field)) {
+    if (!fuzz_accepted(jp_skid_control_check(&config.control, &field), field) ||
+        !fuzz_accepted(jp_skid_monitor_check(&config.wheels, &field), field) ||
+        !fuzz_accepted(jp_skid_odometry_check(&config.odometry, &field), field)) {
         return false;
     }
     jp_skid_control_start(&control, &config.control, fuzz_hostile(input));
     jp_skid_monitor_start(&monitor, fuzz_hostile(input));
     jp_skid_odometry_start(&odometry, &config.odometry, sensors);
     return true;
-}
-
-static bool within(int32_t x, int32_t limit)
-{
-    return x >= -limit && x <= limit;
 }
 
 /** Within the header's ranges; accelerations are any. */
@@ -73,7 +63,7 @@ static void drive(struct fuzz_input *input, const struct jp_sensors *sensors, co
     } else {
         jp_skid_control_update(&control, &config.control, set_point, limit, &voltages);
     }
-    fuzz_require(within(voltages.left, limit) && within(voltages.right, limit), "voltages beyond the limit");
+    fuzz_require(fuzz_within(voltages.left, limit) && fuzz_within(voltages.right, limit), "voltages beyond the limit");
     fuzz_require(control.unsteering > 0, "an inverse of the steering ratio that is not above 0");
 }
 
