@@ -221,7 +221,7 @@ GROWTH_CYCLES := $(filter $(BUILD)/bench/%-$(GROWTH_CORE).json,$(CYCLES))
 $(LOGS)/gates/growth.log: $(GROWTH_VARIANTS:%=$(BUILD)/%/whole) $(BUILD)/firmware/whole $(GROWTH_CYCLES)
 	$(call SAY,RUN gate growth)
 	$Q$(RUN) $@ $(GATE_LIMIT) tests/gates/growth.sh '$(BUILD)/$(GROWTH_CORE)-os/' \
-	    '$(GROWTH_VARIANTS:%=$(BUILD)/%/) $(BUILD)/firmware/' '$(GROWTH_CYCLES)'
+	    '$(GROWTH_VARIANTS:%=$(BUILD)/%/) $(BUILD)/firmware/' '$(GROWTH_CYCLES)' '$(BUILD)/$(GROWTH_CORE)/'
 
 $(LOGS)/gates/firmware.log: $(GATE_IMAGES)
 	$(call SAY,RUN gate firmware)
