@@ -86,6 +86,16 @@ class Lattice:
         self.robot_name = robot.name
 
     @classmethod
+    def for_navigation(cls, robot):
+        """The one that a robot finds its own way by."""
+        lattice = cls.__new__(cls)
+        lattice._lattice = lib.plan_lattice_for_navigation(encoded(robot.name))
+        if lattice._lattice == ffi.NULL or robot._robot.turning_radius_m == 0:
+            raise Error(f"{robot.name}: no lattice for finding its way is built in; give a robot that has a section navigation")
+        lattice.robot_name = robot.name
+        return lattice
+
+    @classmethod
     def load(cls, path):
         """Of a JSON file, as tools/design/lattice.py writes it."""
         lattice = cls.__new__(cls)
