@@ -163,6 +163,9 @@ $(LOGS)/pytest/vcan_results.xml: $(LOGS)/pytest/vcan.xml
 	$Q$(RUN) $(@:.xml=.log) $(PYTEST_LIMIT) $(PYTHON) -m pytest -q -p no:cacheprovider --junitxml=$@ \
 	    tests/vcan/test_vcan_results.py
 
+# `make install` installs them.
+$(LOGS)/pytest/package.xml: $(PROGRAMS)
+
 # ---- Firmware --------------------------------------------------------------------------------------------------------
 
 # Of each kind one, and the one that is made to crash.

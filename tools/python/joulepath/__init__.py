@@ -9,6 +9,7 @@ Lengths are in m, angles in rad where a name does not say degrees, times in s, e
 is said by Error, in one line.
 """
 
+from . import tables
 from ._call import Error
 from .learner import Learner, Segment
 from .mission import Mission, Scenario, drive
@@ -20,4 +21,4 @@ from .terrain import FREE, OCCUPIED, UNKNOWN, Terrain
 
 __all__ = ["FREE", "METHODS", "OCCUPIED", "SCENES", "UNKNOWN", "Answer", "Error", "Lattice", "Learner", "Mission",
            "Navigation", "Patrol", "Plan", "Planner", "Robot", "Scenario", "Segment", "Terrain", "drive", "navigate",
-           "patrol", "plan", "robots"]
+           "patrol", "plan", "robots", "tables"]

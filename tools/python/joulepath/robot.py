@@ -5,7 +5,7 @@ from pathlib import Path
 from ._call import Error, check, encoded, text
 from ._native import ffi, lib
 
-_FOLDER = Path(__file__).parent / "robots"
+_FOLDER = Path(__file__).parent / "sim" / "robots"
 
 
 def robots():
