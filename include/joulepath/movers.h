@@ -37,6 +37,7 @@ struct jp_mover {
     struct jp_plane_point centre;
     struct jp_plane_point velocity;              /**< m/s */
     float radius;                                /**< of what was seen of it, m */
+    float own;                                   /**< radius without those who are seen with it as one, m */
     float largest;                               /**< radius so far, m */
     struct jp_plane_point origin;                /**< where it was first seen */
     struct jp_plane_point seen_from;             /**< where the sensor was then */

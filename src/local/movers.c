@@ -4,10 +4,13 @@
 #include "src/base/plane.h"
 #include "src/local/scan_runs.h"
 
-/* Standard deviation of the middle of what is seen of an object, m: of one that stands free, and of one that is partly
- * hidden. */
+/* Standard deviation of the middle of an object by what is seen of it, m: of one that stands free, and of one that is
+ * partly hidden, by its free rim. */
 #define PLACE_ERROR  0.025f
-#define HIDDEN_ERROR 0.2f
+#define HIDDEN_ERROR 0.08f
+
+/* Of somebody of whom no more was seen than a part, m. */
+#define PERSON_RADIUS 0.2f
 
 /* Of the velocity of an object that was never seen before, m/s, and of its changes, m/s²: people start and stop within
  * a step. */
@@ -29,11 +32,21 @@
 /* An object that appears so near beside somebody who walks goes with them, m. */
 #define TOGETHER 0.5f
 
-/* A radius that changes by so much at once is that of another group, m. */
-#define REGROUPED 0.1f
+/* What is seen is larger than a track by so much: somebody else is seen with it as one, m. The share by which the track
+ * takes that size over in a scan, and that by which a radius follows what is measured. */
+#define SHARED       0.05f
+#define SHARED_SHARE 0.05f
+#define RADIUS_SHARE 0.3f
+
+/* A radius that falls by so much at once is that of another group, m. */
+#define PARTED 0.1f
 
 /* Of its velocity that is kept then. */
-#define REGROUPED_SPEED 0.8f
+#define PARTED_SPEED 0.8f
+
+/* A track that was not seen in the last scan is as good as so much farther away, m: who was hidden by somebody is not
+ * who is seen now. */
+#define UNSEEN 0.2f
 
 /* Misses until a track is dropped: of an object, and of somebody who walks. */
 #define MISSES_MAX        5U
@@ -74,7 +87,8 @@
 struct thing {
     struct jp_plane_point centre;
     float radius;
-    bool is_free;                                /* on both sides */
+    struct jp_plane_point across;                /* from its right end to the left one, of length 1 */
+    bool is_free[2];                             /* on the right, on the left */
     struct jp_plane_point seen[JP_MOVER_POINTS]; /* of its surface, from right to left */
 };
 
@@ -113,6 +127,19 @@ static void take_points(const struct jp_scan_view *view, const struct jp_scan_ru
     }
 }
 
+/* Along what is seen of a thing; across the beams where that is a point. */
+static struct jp_plane_point across_of(const struct jp_scan_view *view, struct jp_plane_point first,
+                                       struct jp_plane_point last)
+{
+    const float length = jp_plane_length(last.x - first.x, last.y - first.y);
+    const float distance = jp_plane_length(first.x - view->first.x, first.y - view->first.y);
+
+    if (length > 0.0f) {
+        return (struct jp_plane_point){(last.x - first.x) / length, (last.y - first.y) / length};
+    }
+    return (struct jp_plane_point){(view->first.y - first.y) / distance, (first.x - view->first.x) / distance};
+}
+
 static bool find_thing(const struct jp_scan_view *view, const struct jp_scan_run *run, float extent,
                        struct thing *thing)
 {
@@ -120,16 +147,22 @@ static bool find_thing(const struct jp_scan_view *view, const struct jp_scan_run
     const struct jp_plane_point last = jp_scan_point(view, run->last);
     const float square = jp_plane_square_between(first, last);
 
-    const bool is_free[] = {is_past(view, run->first, BACK), is_past(view, run->last, 1U)};
-
-    if (run->points < view->config->beams_min || square > extent * extent || !(is_free[0] || is_free[1])) {
+    thing->is_free[0] = is_past(view, run->first, BACK);
+    thing->is_free[1] = is_past(view, run->last, 1U);
+    if (run->points < view->config->beams_min || square > extent * extent ||
+        !(thing->is_free[0] || thing->is_free[1])) {
         return false;
     }
     thing->centre = (struct jp_plane_point){0.5f * (first.x + last.x), 0.5f * (first.y + last.y)};
     thing->radius = 0.5f * jp_plane_square_root(square);
-    thing->is_free = is_free[0] && is_free[1];
+    thing->across = across_of(view, first, last);
     take_points(view, run, thing->seen);
     return true;
+}
+
+static bool is_whole(const struct thing *thing)
+{
+    return thing->is_free[0] && thing->is_free[1];
 }
 
 /* ---- Tracks ---- */
@@ -169,17 +202,26 @@ static void predict(struct jp_movers *movers, float period)
     }
 }
 
+/* From a track to an object, for the choice among tracks. */
+static float square_to(const struct jp_mover *mover, const struct thing *thing)
+{
+    const float square = jp_plane_square_between(mover->centre, thing->centre);
+
+    return mover->misses > 1U ? square + UNSEEN * UNSEEN : square;
+}
+
 /* The nearest track without an object in this scan; null when none is within the gate. */
 static struct jp_mover *match(struct jp_movers *movers, const struct thing *thing, float gate)
 {
     struct jp_mover *nearest = NULL;
-    float least = gate * gate;
+    float least = 0.0f;
 
     for (unsigned i = 0; i < movers->count; i++) {
         struct jp_mover *const mover = &movers->movers[i];
-        const float square = jp_plane_square_between(mover->centre, thing->centre);
+        const float square = square_to(mover, thing);
 
-        if (mover->misses > 0U && square < least) {
+        if (mover->misses > 0U && jp_plane_square_between(mover->centre, thing->centre) < gate * gate &&
+            (nearest == NULL || square < least)) {
             least = square;
             nearest = mover;
         }
@@ -195,43 +237,101 @@ static struct jp_plane_point limited(struct jp_plane_point velocity, float speed
     return (struct jp_plane_point){share * velocity.x, share * velocity.y};
 }
 
-/* Seen as one with somebody else, or no longer: what is seen of it says nothing of how it moves. */
-static void regroup(struct jp_mover *mover, const struct thing *thing)
+/* It was seen as one with somebody else, and no longer is: what is seen of it says nothing of how it moves. */
+static void part(struct jp_mover *mover, const struct thing *thing)
 {
     mover->origin.x += thing->centre.x - mover->centre.x;
     mover->origin.y += thing->centre.y - mover->centre.y;
     mover->centre = thing->centre;
-    mover->largest = jp_plane_larger(thing->radius, mover->largest);
-    mover->velocity.x *= REGROUPED_SPEED;
-    mover->velocity.y *= REGROUPED_SPEED;
-    mover->radius = thing->radius;
+    mover->velocity.x *= PARTED_SPEED;
+    mover->velocity.y *= PARTED_SPEED;
+    mover->own = thing->radius;
+}
+
+/* Where along what is seen of a thing the middle of an object of a radius may be, from the middle of the thing, m: at
+ * one place if the thing is no larger. */
+static void find_span(const struct thing *thing, float radius, float *low, float *high)
+{
+    const float inner = thing->radius - radius;
+    const bool is_shared = inner > SHARED;
+
+    if (is_whole(thing)) {
+        *low = is_shared ? -inner : 0.0f;
+        *high = -*low;
+    } else if (thing->is_free[0]) {
+        *low = -inner;
+        *high = is_shared ? inner : -inner;
+    } else {
+        *high = inner;
+        *low = is_shared ? -inner : inner;
+    }
+}
+
+/* Of an object of a radius, by what is seen of it: the place that is nearest to where it was foreseen. */
+static struct jp_plane_point middle_of(const struct thing *thing, float radius, struct jp_plane_point foreseen)
+{
+    const struct jp_plane_point off = {foreseen.x - thing->centre.x, foreseen.y - thing->centre.y};
+    float low;
+    float high;
+
+    find_span(thing, radius, &low, &high);
+
+    const float along = jp_plane_clamp(off.x * thing->across.x + off.y * thing->across.y, low, high);
+
+    return (struct jp_plane_point){thing->centre.x + along * thing->across.x,
+                                   thing->centre.y + along * thing->across.y};
+}
+
+/* From where it was foreseen to where it is. Of somebody who is seen as one with others no more is known than that it
+ * is among them. */
+static struct jp_plane_point innovation_of(const struct jp_mover *mover, const struct thing *thing)
+{
+    const struct jp_plane_point middle = middle_of(thing, mover->own, mover->centre);
+    const struct jp_plane_point way = {middle.x - mover->centre.x, middle.y - mover->centre.y};
+    const float length = jp_plane_length(way.x, way.y);
+    const float slack = thing->radius - mover->own > SHARED ? SHARED : 0.0f;
+    const float share = length > slack ? 1.0f - slack / length : 0.0f;
+
+    return (struct jp_plane_point){share * way.x, share * way.y};
+}
+
+/* How large it is alone, and as it is seen. */
+static void take_radius(struct jp_mover *mover, const struct thing *thing)
+{
+    const float larger = thing->radius - mover->own;
+
+    if (is_whole(thing)) {
+        mover->own += (larger > SHARED ? SHARED_SHARE : RADIUS_SHARE) * larger;
+    }
+    mover->radius = is_whole(thing) ? thing->radius : jp_plane_larger(thing->radius, mover->radius);
+    mover->largest = jp_plane_larger(mover->radius, mover->largest);
     mover->misses = 0;
 }
 
 static void correct(struct jp_mover *mover, const struct thing *thing, float speed_max)
 {
-    const float error = thing->is_free ? PLACE_ERROR : HIDDEN_ERROR;
+    const float error = is_whole(thing) ? PLACE_ERROR : HIDDEN_ERROR;
     const float inverse = 1.0f / (mover->place_variance + error * error);
     const float place_gain = mover->place_variance * inverse;
     const float speed_gain = mover->covariance * inverse;
-    const float dx = thing->centre.x - mover->centre.x;
-    const float dy = thing->centre.y - mover->centre.y;
 
-    if (jp_plane_magnitude(thing->radius - mover->radius) > REGROUPED) {
-        regroup(mover, thing);
+    if (is_whole(thing) && mover->own - thing->radius > PARTED) {
+        part(mover, thing);
+        take_radius(mover, thing);
         return;
     }
-    mover->centre.x += place_gain * dx;
-    mover->centre.y += place_gain * dy;
-    mover->velocity.x += speed_gain * dx;
-    mover->velocity.y += speed_gain * dy;
+
+    const struct jp_plane_point way = innovation_of(mover, thing);
+
+    mover->centre.x += place_gain * way.x;
+    mover->centre.y += place_gain * way.y;
+    mover->velocity.x += speed_gain * way.x;
+    mover->velocity.y += speed_gain * way.y;
     mover->velocity = limited(mover->velocity, speed_max);
     mover->speed_variance -= speed_gain * mover->covariance;
     mover->covariance -= place_gain * mover->covariance;
     mover->place_variance -= place_gain * mover->place_variance;
-    mover->radius = thing->is_free ? thing->radius : jp_plane_larger(thing->radius, mover->radius);
-    mover->largest = jp_plane_larger(mover->radius, mover->largest);
-    mover->misses = 0;
+    take_radius(mover, thing);
     if (mover->sightings < UINT8_MAX) {
         mover->sightings++;
     }
@@ -368,8 +468,9 @@ static void begin(struct jp_movers *movers, const struct thing *thing, struct jp
     if (beside != NULL) {
         track = *beside;
     }
-    track.centre = thing->centre;
-    track.origin = thing->centre;
+    track.own = is_whole(thing) ? thing->radius : jp_plane_larger(thing->radius, PERSON_RADIUS);
+    track.centre = middle_of(thing, track.own, thing->centre);
+    track.origin = track.centre;
     track.radius = thing->radius;
     track.largest = thing->radius;
     track.seen_from = sensor;

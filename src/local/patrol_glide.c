@@ -171,11 +171,6 @@ static unsigned free_steps(const struct jp_patrol *patrol, struct glide glide, u
     return steps;
 }
 
-static bool is_free(const struct jp_patrol *patrol, const struct glide *glide)
-{
-    return free_steps(patrol, *glide, STEPS_MAX) == STEPS_MAX;
-}
-
 static struct glide glide_from(const struct jp_patrol *patrol, const struct jp_plane_pose *pose)
 {
     const bool is_begun = patrol->state == JP_PATROL_GLIDING;
@@ -189,6 +184,31 @@ static struct glide glide_from(const struct jp_patrol *patrol, const struct jp_p
                           .is_to_goal = patrol->internal.is_gliding_to_goal,
                           .is_begun = is_begun,
                           .speed = patrol->config.teb.speed_max};
+}
+
+unsigned jp_patrol_foresee_glide(const struct jp_patrol *patrol, struct jp_plane_pose *poses, unsigned most)
+{
+    struct glide glide = glide_from(patrol, &patrol->pose);
+    unsigned count = 0;
+
+    while (count < most && goal_distance(patrol, &glide.pose) > 0.5f * STEP_LENGTH) {
+        const float direction = direction_from(patrol, &glide.pose, &glide.next);
+        const float askew = jp_plane_wrap(direction - glide.pose.heading);
+        const float step = smaller(STEP_LENGTH, goal_distance(patrol, &glide.pose));
+        const struct jp_plane_point way = jp_plane_direction(direction);
+
+        glide.pose.heading += turn_of(patrol, &glide, askew, step);
+        glide.pose.x += step * way.x;
+        glide.pose.y += step * way.y;
+        poses[count] = glide.pose;
+        count++;
+    }
+    return count;
+}
+
+static bool is_free(const struct jp_patrol *patrol, const struct glide *glide)
+{
+    return free_steps(patrol, *glide, STEPS_MAX) == STEPS_MAX;
 }
 
 static void begin(struct jp_patrol *patrol, const struct glide *glide, bool is_standing)

@@ -180,6 +180,14 @@ static unsigned marked(void)
     return count;
 }
 
+/* A beam a degree, as the patrol robot's laser has. */
+static void see_coarsely(void)
+{
+    config.extent = 2.0f;
+    scan.count = BEAMS / 2;
+    scan.angle_step = 4.0f * JP_PLANE_PI / BEAMS;
+}
+
 /* ---- What is a thing ---- */
 
 static void test_nothing_is_seen_on_an_empty_plane(void)
@@ -380,6 +388,88 @@ static void test_two_that_meet_keep_their_velocities(void)
 
         TEST_ASSERT_NEAR(2.0f * SPEED_ERROR, sign, movers.movers[i].velocity.y);
         TEST_ASSERT_NEAR(0.1f, 0.9f * sign, movers.movers[i].centre.y);
+    }
+}
+
+/* The track whose velocity is nearest to one, of those near a place; null: there is none. */
+static const struct jp_mover *track_of(const struct disc *disc, struct jp_plane_point velocity)
+{
+    const struct jp_mover *nearest = NULL;
+
+    for (unsigned i = 0; i < movers.count; i++) {
+        const struct jp_mover *const mover = &movers.movers[i];
+
+        if (jp_plane_square_between(mover->centre, disc->centre) < 0.4f * 0.4f &&
+            (nearest == NULL || jp_plane_square_between(mover->velocity, velocity) <
+                                    jp_plane_square_between(nearest->velocity, velocity))) {
+            nearest = mover;
+        }
+    }
+    return nearest;
+}
+
+/* One overtakes another behind them: for the scanner they are one for a while, one is hidden, and they part. Each keeps
+ * its velocity all the time. */
+static void test_two_who_cross_aslant_keep_their_velocities(void)
+{
+    const struct jp_plane_point velocities[] = {{-0.6f, -0.95f}, {-1.35f, -0.6f}};
+
+    see_coarsely();
+    (void)put_disc(2.2f, 3.19f, RADIUS);
+    (void)put_disc(3.75f, 2.5f, RADIUS);
+    for (unsigned i = 0; i < 25U; i++) {
+        look();
+        for (unsigned k = 0; k < 2U && i >= 10U; k++) {
+            const struct jp_mover *const track = track_of(&discs[k], velocities[k]);
+
+            TEST_ASSERT_NOT_NULL(track);
+            TEST_ASSERT_TRUE(jp_plane_square_between(track->velocity, velocities[k]) < 0.65f * 0.65f);
+        }
+        for (unsigned k = 0; k < 2U; k++) {
+            discs[k].centre.x += PERIOD * velocities[k].x;
+            discs[k].centre.y += PERIOD * velocities[k].y;
+        }
+        sensor.x -= 0.5f * PERIOD;
+    }
+}
+
+/* Out from behind a wall, to either side: by the rim that is seen, long before all of somebody is. */
+static void test_who_comes_out_is_known_by_the_free_rim(void)
+{
+    const float sides[] = {-1.0f, 1.0f};
+
+    for (unsigned i = 0; i < 2U; i++) {
+        const struct jp_plane_point velocity = {0.0f, sides[i]};
+
+        setUp();
+        put_wall(1.9f, -sides[i] * 3.0f, 1.9f, 0.0f);
+
+        struct disc *const disc = put_disc(3.0f, 0.0f, RADIUS);
+
+        disc->centre.y = -0.2f * sides[i];
+        walk(disc, velocity, 6);
+        TEST_ASSERT_NOT_NULL(track_of(disc, velocity));
+        TEST_ASSERT_NEAR(0.35f, velocity.y, track_of(disc, velocity)->velocity.y);
+    }
+}
+
+/* A post that a wall hides to the half, and that the sensor passes: it stands, as its free rim does. */
+static void test_what_is_half_hidden_stands_by_its_free_rim(void)
+{
+    const float sides[] = {-1.0f, 1.0f};
+
+    for (unsigned i = 0; i < 2U; i++) {
+        setUp();
+        put_wall(1.5f, -sides[i] * 3.0f, 1.5f, 0.0f);
+        (void)put_disc(3.0f, 0.0f, RADIUS);
+        sensor.y = sides[i];
+        for (unsigned k = 0; k < 20U; k++) {
+            look();
+            sensor.y -= sides[i] * 0.8f * PERIOD;
+            for (unsigned m = 0; m < movers.count; m++) {
+                TEST_ASSERT_FALSE(jp_mover_is_walking(&movers.movers[m], &config));
+            }
+        }
     }
 }
 
@@ -607,14 +697,6 @@ static void test_walk_in_any_direction_is_noticed(void)
         }
         TEST_ASSERT_TRUE(scans <= NOTICED);
     }
-}
-
-/* A beam a degree, as the patrol robot's laser has. */
-static void see_coarsely(void)
-{
-    config.extent = 2.0f;
-    scan.count = BEAMS / 2;
-    scan.angle_step = 4.0f * JP_PLANE_PI / BEAMS;
 }
 
 /* Past what stands: nobody has walked. */
