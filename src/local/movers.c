@@ -66,6 +66,12 @@
  * m. */
 #define CLEARLY 0.15f
 
+/* As much farther away a surface may go on than its last two points say, which err by centimetres. */
+#define STEEPER 1.5f
+
+/* Which tell how a surface goes on. */
+#define POINTS_MIN 2U
+
 /* Misses that one counts as when the beams look through the place. */
 #define GONE 3U
 
@@ -100,6 +106,32 @@ static bool is_config(const struct jp_movers_config *config)
            jp_plane_is_between(config->margin, 0.0f, JP_OBSTACLE_MARGIN_MAX);
 }
 
+/* Whether the surface that ends at a beam may go on beyond the next one that works: a wall along which the scanner
+ * looks has no rim where its points lie far apart. The beam meets the line through the last two points at some range,
+ * or never; one that ends clearly behind it has passed it. */
+static bool may_go_on(const struct jp_scan_view *view, unsigned end, unsigned step, float range)
+{
+    unsigned inner = end - step;
+
+    while (!jp_scan_is_point(view, inner)) {
+        inner -= step;
+    }
+
+    const struct jp_plane_point from = jp_scan_point(view, inner);
+    const struct jp_plane_point rim = jp_scan_point(view, end);
+    const struct jp_plane_point beam =
+        jp_plane_direction(view->first.heading + (float)(end + step) * view->scan->angle_step);
+    const struct jp_plane_point along = {rim.x - from.x, rim.y - from.y};
+    const float nearing = beam.x * along.y - beam.y * along.x;
+    const float away = (rim.x - view->first.x) * along.y - (rim.y - view->first.y) * along.x;
+    const float beyond = range - view->scan->ranges[end] - CLEARLY;
+
+    /* Both sides times `nearing`, above 0 where the beam meets the line in front of the sensor. */
+    return nearing * away <= 0.0f ||
+           beyond * jp_plane_magnitude(nearing) <=
+               STEEPER * (jp_plane_magnitude(away) - view->scan->ranges[end] * jp_plane_magnitude(nearing));
+}
+
 /* Whether the next beam beside a run that works, in the direction of a step, sees past it: farther away, or nothing.
  * The ends of a scan hide what is beside them. */
 static bool is_past(const struct jp_scan_view *view, unsigned end, unsigned step)
@@ -109,8 +141,13 @@ static bool is_past(const struct jp_scan_view *view, unsigned end, unsigned step
     while (beside < view->scan->count && !(view->scan->ranges[beside] >= 0.0f)) {
         beside += step;
     }
-    return beside < view->scan->count &&
-           (!jp_scan_is_point(view, beside) || view->scan->ranges[beside] > view->scan->ranges[end]);
+    if (beside >= view->scan->count) {
+        return false;
+    }
+
+    const float range = jp_scan_is_point(view, beside) ? view->scan->ranges[beside] : view->config->range_max;
+
+    return range > view->scan->ranges[end] && !may_go_on(view, end, step, range);
 }
 
 /* Evenly within it. */
@@ -147,10 +184,12 @@ static bool find_thing(const struct jp_scan_view *view, const struct jp_scan_run
     const struct jp_plane_point last = jp_scan_point(view, run->last);
     const float square = jp_plane_square_between(first, last);
 
+    if (run->points < view->config->beams_min || run->points < POINTS_MIN || square > extent * extent) {
+        return false;
+    }
     thing->is_free[0] = is_past(view, run->first, BACK);
     thing->is_free[1] = is_past(view, run->last, 1U);
-    if (run->points < view->config->beams_min || square > extent * extent ||
-        !(thing->is_free[0] || thing->is_free[1])) {
+    if (!thing->is_free[0] && !thing->is_free[1]) {
         return false;
     }
     thing->centre = (struct jp_plane_point){0.5f * (first.x + last.x), 0.5f * (first.y + last.y)};

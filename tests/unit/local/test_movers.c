@@ -724,6 +724,27 @@ static void test_wall_that_is_seen_in_part_stands(void)
     }
 }
 
+/* Round a corner into a corridor: more and more comes into sight of a wall along which the scanner looks, and its points
+ * lie far apart. */
+static void test_wall_along_which_the_scanner_looks_stands(void)
+{
+    for (unsigned turn = 0; turn < 5U; turn++) {
+        setUp();
+        see_coarsely();
+        scan_config.gap = 0.35f;
+        put_wall(-6.0f, 0.0f, 0.0f, 0.0f);
+        put_wall(0.0f, 0.0f, 0.0f, -6.0f);
+        put_wall(-6.0f, 1.4f, 6.0f, 1.4f);
+        sensor = (struct jp_plane_pose){0.55f, -0.6f, 1.6f};
+        for (unsigned i = 0; i < 30U; i++) {
+            drive_past(0.0f, 0.0f, 1);
+            sensor.heading = jp_plane_smaller(sensor.heading + 0.07f + 0.02f * (float)turn, JP_PLANE_PI);
+            sensor.x += 0.08f * jp_plane_cosine(sensor.heading);
+            sensor.y += 0.08f * jp_plane_sine(sensor.heading);
+        }
+    }
+}
+
 /* One side comes into sight while another one goes. */
 static void test_boxes_that_are_passed_stand(void)
 {
