@@ -50,6 +50,7 @@ struct jp_mover {
     float standing;                              /**< since it last walked, s */
     uint8_t sightings;                           /**< since it was first seen; saturates */
     uint8_t misses;                              /**< in a row */
+    bool is_companion;                           /**< taken to walk because somebody does beside whom it appeared */
 };
 
 /** The members may be read. */

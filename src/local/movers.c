@@ -32,6 +32,9 @@
 /* An object that appears so near beside somebody who walks goes with them, m. */
 #define TOGETHER 0.5f
 
+/* After so many sightings it is known whether it does. */
+#define COMPANION_SIGHTINGS 10U
+
 /* What is seen is larger than a track by so much: somebody else is seen with it as one, m. The share by which the track
  * takes that size over in a scan, and that by which a radius follows what is measured. */
 #define SHARED       0.05f
@@ -444,6 +447,19 @@ static bool has_changed_place(const struct jp_mover *mover, const struct thing *
     return false;
 }
 
+/* Who appeared beside somebody who walks was taken for one who goes with them, until it has been seen often enough to
+ * tell that it stands. */
+static void judge_companion(struct jp_mover *mover, const struct jp_movers_config *config)
+{
+    if (mover->is_companion && mover->sightings >= COMPANION_SIGHTINGS) {
+        mover->is_companion = false;
+        if (!jp_mover_is_walking(mover, config)) {
+            mover->pace = 0.0f;
+            mover->walk = (struct jp_plane_point){0.0f, 0.0f};
+        }
+    }
+}
+
 /* Remembers how it walks, if it does. */
 static void note_walk(struct jp_mover *mover, const struct jp_movers_config *config, const struct thing *thing,
                       const struct jp_scan_view *view)
@@ -507,6 +523,7 @@ static void begin(struct jp_movers *movers, const struct thing *thing, struct jp
     if (beside != NULL) {
         track = *beside;
     }
+    track.is_companion = beside != NULL;
     track.own = is_whole(thing) ? thing->radius : jp_plane_larger(thing->radius, PERSON_RADIUS);
     track.centre = middle_of(thing, track.own, thing->centre);
     track.origin = track.centre;
@@ -535,6 +552,7 @@ static void follow(struct jp_movers *movers, const struct jp_movers_config *conf
 
     if (mover != NULL) {
         correct(mover, thing, config->speed_max);
+        judge_companion(mover, config);
         note_walk(mover, config, thing, view);
     } else {
         begin(movers, thing, sensor);

@@ -560,6 +560,16 @@ static bool move(struct jp_patrol *patrol, const struct glide *glide, float dire
     return true;
 }
 
+/* No farther askew than all wheels are steered forwards: one that rolled backwards, as it may after a turn in place,
+ * would have to be steered round on the way. */
+static void set_off_along(struct jp_patrol *patrol, float askew)
+{
+    const float part = askew_part(patrol, askew);
+
+    patrol->internal.command = (struct jp_plane_speed){SET_OFF_SPEED * jp_plane_cosine(part), 0.0f};
+    patrol->internal.sideways = SET_OFF_SPEED * jp_plane_sine(part);
+}
+
 void jp_patrol_glide(struct jp_patrol *patrol)
 {
     const struct jp_plane_pose pose = after_latency(patrol);
@@ -591,8 +601,7 @@ void jp_patrol_glide(struct jp_patrol *patrol)
         return;
     }
     if (is_setting_off(patrol)) {
-        patrol->internal.command = (struct jp_plane_speed){SET_OFF_SPEED * jp_plane_cosine(askew), 0.0f};
-        patrol->internal.sideways = SET_OFF_SPEED * jp_plane_sine(askew);
+        set_off_along(patrol, askew);
         return;
     }
     if (!move(patrol, &glide, direction, speed_of(patrol, now, away, remaining))) {

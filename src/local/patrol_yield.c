@@ -94,7 +94,9 @@ static void lay_out_band(const struct jp_teb *teb, const struct jp_patrol *patro
     for (unsigned i = 1; i < teb->count; i++) {
         add_pose(patrol, course, &teb->poses[i].pose);
         course->speed[i - 1U] =
-            jp_plane_larger((course->way[i] - course->way[i - 1U]) / teb->poses[i - 1U].interval, STANDING);
+            jp_plane_larger(way_between(&teb->config.footprint, &teb->poses[i - 1U].pose, &teb->poses[i].pose) /
+                                teb->poses[i - 1U].interval,
+                            STANDING);
     }
 }
 

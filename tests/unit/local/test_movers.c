@@ -724,8 +724,8 @@ static void test_wall_that_is_seen_in_part_stands(void)
     }
 }
 
-/* Round a corner into a corridor: more and more comes into sight of a wall along which the scanner looks, and its points
- * lie far apart. */
+/* Round a corner into a corridor: more and more comes into sight of a wall along which the scanner looks, and its
+ * points lie far apart. */
 static void test_wall_along_which_the_scanner_looks_stands(void)
 {
     for (unsigned turn = 0; turn < 5U; turn++) {
@@ -848,6 +848,29 @@ static void test_those_who_part_have_walked_both(void)
     TEST_ASSERT_TRUE(movers.movers[0].velocity.y > 0.5f * before);
     TEST_ASSERT_TRUE(movers.movers[1].velocity.y > 0.5f * before);
     TEST_ASSERT_TRUE(movers.movers[1].standing == 0.0f);
+}
+
+/* Somebody has passed a post that comes into sight beside them: for a while it may be somebody who goes along. */
+static void test_what_stands_beside_a_walker_is_no_companion(void)
+{
+    struct disc *const walker = put_disc(3.0f, -2.0f, RADIUS);
+    unsigned taken = 0;
+
+    walk(walker, (struct jp_plane_point){0.0f, 1.0f}, 18);
+
+    const struct disc *const post = put_disc(3.0f, walker->centre.y - 0.75f, 0.2f);
+
+    for (unsigned i = 0; i < 14U; i++) {
+        walk(walker, (struct jp_plane_point){0.0f, 1.0f}, 1);
+        for (unsigned k = 0; k < movers.count; k++) {
+            const bool is_post = jp_plane_square_between(movers.movers[k].centre, post->centre) < 0.3f * 0.3f;
+
+            taken += is_post && has_walked(k) ? 1U : 0U;
+            TEST_ASSERT_FALSE(is_post && has_walked(k) && i >= 12U);
+            TEST_ASSERT_FALSE(!is_post && movers.movers[k].misses == 0U && !has_walked(k));
+        }
+    }
+    TEST_ASSERT_TRUE(taken >= 5U);
 }
 
 /* ---- More things than tracks ---- */
