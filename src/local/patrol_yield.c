@@ -509,7 +509,9 @@ void jp_patrol_yield(struct jp_patrol *patrol, const struct jp_plane_speed *spee
     const struct jp_plane_speed *const command = &patrol->internal.command;
     const float wanted = speed_of(patrol, command->forward, patrol->internal.sideways, command->turn_rate);
 
-    patrol->internal.is_yielding = patrol->state == JP_PATROL_WAITING && sees_people(patrol);
+    /* Who has yielded and stands, for whatever reason now, would get on without people. */
+    patrol->internal.is_yielding =
+        (patrol->state == JP_PATROL_WAITING || (was_yielding && wanted <= 0.0f)) && sees_people(patrol);
     if (wanted > 0.0f && sees_anybody(patrol)) {
         const float now = speed_of(patrol, speed->forward, patrol->internal.sideways_before, speed->turn_rate);
         const float safe = safe_speed(patrol, now);

@@ -431,6 +431,21 @@ static void test_yields_are_counted_once(void)
     TEST_ASSERT_EQUAL_UINT32(2, patrol.counts.yields);
 }
 
+/* As it thinks over what to do, until it moves or nobody is there. */
+static void test_who_stands_having_yielded_still_yields(void)
+{
+    (void)put_walker(1.5f, -1.5f, 0.0f, 1.0f);
+    patrol.internal.command.forward = 0.0f;
+    (void)yielded();
+    TEST_ASSERT_FALSE(patrol.internal.is_yielding);
+    patrol.internal.is_yielding = true;
+    (void)yielded();
+    TEST_ASSERT_TRUE(patrol.internal.is_yielding);
+    patrol.movers.count = 0;
+    (void)yielded();
+    TEST_ASSERT_FALSE(patrol.internal.is_yielding);
+}
+
 static void test_who_waits_among_people_yields(void)
 {
     patrol.state = JP_PATROL_WAITING;
