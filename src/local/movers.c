@@ -72,6 +72,9 @@
 /* As much farther away a surface may go on than its last two points say, which err by centimetres. */
 #define STEEPER 1.5f
 
+/* A shorter run is a point, m. */
+#define LEAST 1.0e-4f
+
 /* Which tell how a surface goes on. */
 #define POINTS_MIN 2U
 
@@ -167,17 +170,12 @@ static void take_points(const struct jp_scan_view *view, const struct jp_scan_ru
     }
 }
 
-/* Along what is seen of a thing; across the beams where that is a point. */
-static struct jp_plane_point across_of(const struct jp_scan_view *view, struct jp_plane_point first,
-                                       struct jp_plane_point last)
+/* Along what is seen of a thing; nowhere where that is a point. */
+static struct jp_plane_point across_of(struct jp_plane_point first, struct jp_plane_point last)
 {
-    const float length = jp_plane_length(last.x - first.x, last.y - first.y);
-    const float distance = jp_plane_length(first.x - view->first.x, first.y - view->first.y);
+    const float length = jp_plane_larger(jp_plane_length(last.x - first.x, last.y - first.y), LEAST);
 
-    if (length > 0.0f) {
-        return (struct jp_plane_point){(last.x - first.x) / length, (last.y - first.y) / length};
-    }
-    return (struct jp_plane_point){(view->first.y - first.y) / distance, (first.x - view->first.x) / distance};
+    return (struct jp_plane_point){(last.x - first.x) / length, (last.y - first.y) / length};
 }
 
 static bool find_thing(const struct jp_scan_view *view, const struct jp_scan_run *run, float extent,
@@ -197,7 +195,7 @@ static bool find_thing(const struct jp_scan_view *view, const struct jp_scan_run
     }
     thing->centre = (struct jp_plane_point){0.5f * (first.x + last.x), 0.5f * (first.y + last.y)};
     thing->radius = 0.5f * jp_plane_square_root(square);
-    thing->across = across_of(view, first, last);
+    thing->across = across_of(first, last);
     take_points(view, run, thing->seen);
     return true;
 }

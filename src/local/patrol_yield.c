@@ -53,6 +53,9 @@
 /* m/s */
 #define UNLIMITED 1000.0f
 
+/* A slower turn does not end, rad/s. */
+#define LEAST 1.0e-3f
+
 /* ---- The robot ---- */
 
 /* What it plans: poses, and the way to each as its outermost point goes, m. */
@@ -105,14 +108,14 @@ static float time_left(const struct jp_patrol *patrol)
 {
     const struct jp_patrol_internal *const internal = &patrol->internal;
     const float speed = jp_plane_length(internal->command.forward, internal->sideways);
-    const float turn_rate = jp_plane_magnitude(internal->command.turn_rate);
 
     if (patrol->state == JP_PATROL_STEPPING && speed > 0.0f) {
         return jp_plane_length(internal->step_target.x - patrol->pose.x, internal->step_target.y - patrol->pose.y) /
                speed;
     }
-    if (patrol->state == JP_PATROL_TURNING && turn_rate > 0.0f) {
-        return jp_plane_magnitude(internal->turn_remaining) / turn_rate;
+    if (patrol->state == JP_PATROL_TURNING) {
+        return jp_plane_magnitude(internal->turn_remaining) /
+               jp_plane_larger(jp_plane_magnitude(internal->command.turn_rate), LEAST);
     }
     return STEP * (float)STEPS;
 }

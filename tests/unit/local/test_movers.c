@@ -256,6 +256,13 @@ static void test_dropouts_beside_a_thing_are_skipped(void)
     update();
     TEST_ASSERT_EQUAL_UINT(1, movers.count);
 
+    /* Within it, beside its end. */
+    jp_movers_clear(&movers);
+    ranges[first + 1U] = -1.0f;
+    ranges[first + 2U] = -1.0f;
+    update();
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+
     /* Dropouts to the end of the scan: on that side it may be hidden. */
     jp_movers_clear(&movers);
     for (unsigned i = 0; i < first; i++) {
@@ -319,6 +326,19 @@ static void test_few_points_are_noise(void)
     scan_config.beams_min = 2;
     look();
     TEST_ASSERT_EQUAL_UINT(1, movers.count);
+}
+
+/* It does not tell how its surface goes on. */
+static void test_a_single_point_is_no_thing(void)
+{
+    (void)put_disc(4.0f, 0.0f, 0.05f);
+    scan_config.beams_min = 1;
+    take_scan();
+    for (unsigned i = 0; i < BEAMS; i++) {
+        ranges[i] = i == BEAMS / 2 ? 4.0f : 0.0f;
+    }
+    update();
+    TEST_ASSERT_EQUAL_UINT(0, movers.count);
 }
 
 /* ---- Tracks ---- */
@@ -848,6 +868,15 @@ static void test_those_who_part_have_walked_both(void)
     TEST_ASSERT_TRUE(movers.movers[0].velocity.y > 0.5f * before);
     TEST_ASSERT_TRUE(movers.movers[1].velocity.y > 0.5f * before);
     TEST_ASSERT_TRUE(movers.movers[1].standing == 0.0f);
+
+    /* The companion is seen to walk. */
+    for (unsigned i = 0; i < 12U; i++) {
+        discs[0].centre.y += PERIOD * velocity.y;
+        discs[1].centre.y += PERIOD * velocity.y;
+        look();
+    }
+    TEST_ASSERT_TRUE(has_walked(0));
+    TEST_ASSERT_TRUE(has_walked(1));
 }
 
 /* Somebody has passed a post that comes into sight beside them: for a while it may be somebody who goes along. */

@@ -76,6 +76,26 @@ static void test_no_wheel_sets_off_backwards(void)
     }
 }
 
+/* As many poses as there is room for, or up to the goal. */
+static void test_a_glide_is_foreseen_as_far_as_it_is_asked_for(void)
+{
+    struct jp_plane_pose poses[40];
+
+    rig_go(1.0f, 2.5f);
+    rig_cycle();
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    TEST_ASSERT_EQUAL_UINT(5, jp_patrol_foresee_glide(&patrol, poses, 5));
+    expect_within(0.05f, 0.5f, jp_plane_length(poses[4].x, poses[4].y));
+    expect_within(0.05f, 0.19f, poses[4].x);
+
+    const unsigned count = jp_patrol_foresee_glide(&patrol, poses, 40);
+
+    TEST_ASSERT_TRUE(count >= 26U && count <= 28U);
+    expect_within(0.05f, 1.0f, poses[count - 1U].x);
+    expect_within(0.05f, 2.5f, poses[count - 1U].y);
+    expect_within(0.05f, jp_plane_bearing(1.0f, 2.5f), poses[count - 1U].heading);
+}
+
 /* As far as a glide can take over. */
 static void test_robot_turns_part_of_a_great_angle(void)
 {
