@@ -138,11 +138,12 @@ static void lay_out_command(const struct jp_patrol *patrol, struct yield_course 
 
 static void lay_out_glide(const struct jp_patrol *patrol, struct yield_course *course)
 {
-    struct jp_plane_pose poses[JP_TEB_POSES_MAX - 1];
-    const unsigned count = jp_patrol_foresee_glide(patrol, poses, JP_TEB_POSES_MAX - 1U);
+    const unsigned count = jp_patrol_foresee_glide(patrol, &course->poses[1], JP_TEB_POSES_MAX - 1U);
 
-    for (unsigned i = 0; i < count; i++) {
-        add_pose(patrol, course, &poses[i]);
+    for (unsigned i = 1; i <= count; i++) {
+        const struct jp_plane_pose pose = course->poses[i];
+
+        add_pose(patrol, course, &pose);
     }
 }
 
