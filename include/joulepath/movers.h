@@ -2,12 +2,13 @@
  * Moving objects around the robot: objects that stand free in successive scans are tracked, and their velocities are
  * given to the shapes of the obstacles (obstacles.h), so that the elastic band keeps off their predicted places.
  *
- * An object is a run of points without a gap, at most `extent` across, nearer than what the beams beside it see. One
- * that is partly hidden is told less exactly. A Kalman filter of constant velocity tracks the middle of
- * what is seen, so that the uncertainty of the velocity is known from the first scans on: an object walks when it is
- * faster than that explains, and it is where nothing was before, or nothing is where it was: what is seen of a thing
- * that stands may shift, but not so. Who has walked is remembered as somebody who may walk on, or back, along the same
- * line.
+ * An object is a run of points without a gap, at most `extent` across, nearer than what the beams beside it see, with a
+ * rim at least at one of its ends, beyond which its surface does not go on. A Kalman filter of constant velocity tracks
+ * its middle: of one that is partly hidden by the free rim, less exactly; of one that is seen as one with others no
+ * more than that it is among them. The uncertainty of the velocity is known from the first scans on: an object walks
+ * when it is faster than that explains, and it is where nothing was before, or nothing is where it was: what is seen of
+ * a thing that stands may shift, but not so. Who has walked is remembered as somebody who may walk on, or back, along
+ * the same line.
  *
  * Part of libjoulepath_float; nothing here is for ISRs.
  */
