@@ -12,6 +12,9 @@
 /* Of somebody of whom no more was seen than a part, m. */
 #define PERSON_RADIUS 0.2f
 
+/* Nobody alone is larger, m. */
+#define PERSON_MAX 0.35f
+
 /* Of the velocity of an object that was never seen before, m/s, and of its changes, m/s²: people start and stop within
  * a step. */
 #define SPEED_ERROR  1.0f
@@ -289,15 +292,17 @@ static void part(struct jp_mover *mover, const struct thing *thing)
 }
 
 /* Where along what is seen of a thing the middle of an object of a radius may be, from the middle of the thing, m: at
- * one place if the thing is no larger. */
+ * one place if the thing is as large; of one that is smaller, as a box is from its other side, no rim need be the
+ * object's.
+ */
 static void find_span(const struct thing *thing, float radius, float *low, float *high)
 {
     const float inner = thing->radius - radius;
     const bool is_shared = inner > SHARED;
 
     if (is_whole(thing)) {
-        *low = is_shared ? -inner : 0.0f;
-        *high = -*low;
+        *high = jp_plane_magnitude(inner) > SHARED ? jp_plane_magnitude(inner) : 0.0f;
+        *low = -*high;
     } else if (thing->is_free[0]) {
         *low = -inner;
         *high = is_shared ? inner : -inner;
@@ -329,7 +334,8 @@ static struct jp_plane_point innovation_of(const struct jp_mover *mover, const s
     const struct jp_plane_point middle = middle_of(thing, mover->own, mover->centre);
     const struct jp_plane_point way = {middle.x - mover->centre.x, middle.y - mover->centre.y};
     const float length = jp_plane_length(way.x, way.y);
-    const float slack = thing->radius - mover->own > SHARED ? SHARED : 0.0f;
+    const float larger = thing->radius - mover->own;
+    const float slack = larger > SHARED || (is_whole(thing) && larger < -SHARED) ? SHARED : 0.0f;
     const float share = length > slack ? 1.0f - slack / length : 0.0f;
 
     return (struct jp_plane_point){share * way.x, share * way.y};
@@ -445,6 +451,13 @@ static bool has_changed_place(const struct jp_mover *mover, const struct thing *
     return false;
 }
 
+/* Whether all of something is seen, and no less than before: of what is larger than a person one side may go out of
+ * sight as another one comes. */
+static bool is_steady(const struct jp_mover *mover, const struct thing *thing)
+{
+    return thing->radius < PERSON_MAX || (is_whole(thing) && mover->own - thing->radius < SHARED);
+}
+
 /* Who appeared beside somebody who walks was taken for one who goes with them, until it has been seen often enough to
  * tell that it stands. */
 static void judge_companion(struct jp_mover *mover, const struct jp_movers_config *config)
@@ -465,7 +478,7 @@ static void note_walk(struct jp_mover *mover, const struct jp_movers_config *con
     const float speed = speed_of(mover);
 
     if (mover->sightings >= SIGHTINGS_MIN && jp_mover_is_walking(mover, config) &&
-        (has_walked(mover) || (has_left(mover) && has_changed_place(mover, thing, view)))) {
+        (has_walked(mover) || (is_steady(mover, thing) && has_left(mover) && has_changed_place(mover, thing, view)))) {
         const float share = has_walked(mover) ? WALK_SHARE : 1.0f;
         const float x = mover->walk.x + share * (mover->velocity.x / speed - mover->walk.x);
         const float y = mover->walk.y + share * (mover->velocity.y / speed - mover->walk.y);

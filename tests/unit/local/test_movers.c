@@ -732,6 +732,45 @@ static void drive_past(float speed, float turn_rate, unsigned scans)
     }
 }
 
+/* Something wide goes past; or one of its sides goes out of sight while less of another one comes. */
+static bool walks_between(float right, float left)
+{
+    setUp();
+    see_coarsely();
+    put_wall(2.0f, -1.2f, 2.0f, 0.2f);
+    for (unsigned i = 0; i < 11U; i++) {
+        look();
+        walls[0].from.y += right;
+        walls[0].to.y += left;
+    }
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+    return has_walked(0);
+}
+
+static void test_who_is_wide_is_seen_to_walk_by_both_rims(void)
+{
+    TEST_ASSERT_TRUE(walks_between(0.09f, 0.09f));
+    TEST_ASSERT_FALSE(walks_between(0.14f, 0.04f));
+}
+
+/* Half hidden, something wide may turn another side to the scanner. */
+static void test_who_is_wide_and_half_hidden_has_not_walked(void)
+{
+    see_coarsely();
+    put_wall(2.0f, -0.8f, 2.0f, 0.4f);
+    put_wall(1.2f, -0.6f, 1.2f, -0.3f);
+    for (unsigned i = 0; i < 14U; i++) {
+        look();
+        for (unsigned k = 0; k < 2U; k++) {
+            walls[k].from.y += 0.07f;
+            walls[k].to.y += 0.07f;
+        }
+    }
+    for (unsigned k = 0; k < movers.count; k++) {
+        TEST_ASSERT_FALSE(has_walked(k) && movers.movers[k].centre.x > 1.6f);
+    }
+}
+
 /* Between the end of the scan and where its points lie too far apart, what is seen of a wall goes with the robot. */
 static void test_wall_that_is_seen_in_part_stands(void)
 {
