@@ -759,11 +759,11 @@ static void test_who_is_wide_and_half_hidden_has_not_walked(void)
     see_coarsely();
     put_wall(2.0f, -0.8f, 2.0f, 0.4f);
     put_wall(1.2f, -0.6f, 1.2f, -0.3f);
-    for (unsigned i = 0; i < 14U; i++) {
+    for (unsigned n = 0; n < 14U; n++) {
         look();
         for (unsigned k = 0; k < 2U; k++) {
-            walls[k].from.y += 0.07f;
-            walls[k].to.y += 0.07f;
+            walls[k].from.y += k == 0U ? 0.08f : 0.048f;
+            walls[k].to.y += k == 0U ? 0.08f : 0.048f;
         }
     }
     for (unsigned k = 0; k < movers.count; k++) {
