@@ -374,7 +374,7 @@ static const struct row rows[] = {
     {"OVERSPEED", run_away, ON_BOTH, 155, 0, IN_WHEELS(JP_FAULT_OVERSPEED)},
     {"STALLED_LEFT", stall_left, ON_BOTH, 750, 0, IN_MOTION(JP_FAULT_STALLED_LEFT)},
     {"STALLED_RIGHT", stall_right, ON_BOTH, 750, 0, IN_MOTION(JP_FAULT_STALLED_RIGHT)},
-    {"WHEEL_IN_AIR", lift_left, ON_BOTH, 300, 0, IN_MOTION(JP_FAULT_WHEEL_IN_AIR)},
+    {"WHEEL_IN_AIR", lift_left, ON_BOTH, 350, 0, IN_MOTION(JP_FAULT_WHEEL_IN_AIR)},
     {"WHEELS_SPIN", spin, ON_BOTH, 153, 0, IN_WHEELS(JP_FAULT_WHEELS_SPIN)},
     {"SLOPE", tilt, ON_BOTH, 230, 0, IN_WHEELS(JP_FAULT_SLOPE)},
     {"samples stay away for 40 ms", fall_silent_for_a_while, ON_CAN, 0, 0, RIDDEN_OUT(JP_SKID_ROBOT_DRIVING)},
