@@ -2,7 +2,7 @@
 #include <joulepath/balancer_vehicle.h>
 
 #include "hal/app/ecu_balancer.h"
-#include "hal/stm32f4/firmware_robot.h"
+#include "hal/firmware/firmware_robot.h"
 
 #define FIRMWARE_ROBOT        ROBOT_SYMBOL(jp_robot_, FIRMWARE_ROBOT_NAME)
 #define FIRMWARE_ENERGY_MODEL ROBOT_SYMBOL(jp_energy_model_, FIRMWARE_ROBOT_NAME)

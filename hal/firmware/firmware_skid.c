@@ -2,7 +2,7 @@
 #include <joulepath/skid_vehicle.h>
 
 #include "hal/app/ecu_skid.h"
-#include "hal/stm32f4/firmware_robot.h"
+#include "hal/firmware/firmware_robot.h"
 
 #define FIRMWARE_SKID        ROBOT_SYMBOL(jp_skid_robot_, FIRMWARE_SKID_NAME)
 #define FIRMWARE_SKID_ENERGY ROBOT_SYMBOL(jp_skid_energy_, FIRMWARE_SKID_NAME)

@@ -1,8 +1,7 @@
-#include "hal/stm32f4/fault.h"
+#include "hal/cortex_m/fault.h"
 
-#include "hal/stm32f4/bridges.h"
-#include "hal/stm32f4/cortex_m.h"
-#include "hal/stm32f4/stack_guard.h"
+#include "hal/cortex_m/cortex_m.h"
+#include "hal/cortex_m/stack_guard.h"
 
 /* Addresses that the linker script gives. */
 extern uint8_t firmware_main_stack_guard[], firmware_handler_stack_guard[], firmware_handler_stack_top[];

@@ -1,4 +1,4 @@
-#include "hal/stm32f4/cortex_m.h"
+#include "hal/cortex_m/cortex_m.h"
 
 void jp_interrupts_off(void)
 {

@@ -1,7 +1,7 @@
 /** The robot that the image is for: `make firmware ROBOT=name`. Of its kind is firmware_balancer.c or
  *  firmware_skid.c. */
-#ifndef JOULEPATH_HAL_STM32F4_FIRMWARE_ROBOT_H
-#define JOULEPATH_HAL_STM32F4_FIRMWARE_ROBOT_H
+#ifndef JOULEPATH_HAL_FIRMWARE_FIRMWARE_ROBOT_H
+#define JOULEPATH_HAL_FIRMWARE_FIRMWARE_ROBOT_H
 
 #include <joulepath/tables.h>
 

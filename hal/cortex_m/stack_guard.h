@@ -1,8 +1,8 @@
 /** The guard below each stack, which the MPU forbids: larger than most frames, so that none steps over it. */
-#ifndef JOULEPATH_HAL_STM32F4_STACK_GUARD_H
-#define JOULEPATH_HAL_STM32F4_STACK_GUARD_H
+#ifndef JOULEPATH_HAL_CORTEX_M_STACK_GUARD_H
+#define JOULEPATH_HAL_CORTEX_M_STACK_GUARD_H
 
-/** Also in stm32f405.ld; of the MPU's region: 2^(SIZE + 1). */
+/** Also in the linker scripts; of the MPU's region: 2^(SIZE + 1). */
 #define STACK_GUARD_BYTES 256U
 #define STACK_GUARD_SIZE  7U
 

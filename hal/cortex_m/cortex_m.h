@@ -1,11 +1,11 @@
 /**
- * The core's registers and instructions that the firmware itself uses; names as in the programming manual PM0214. The
- * addresses are in peripherals.ld.
+ * Registers and instructions of a Cortex-M3, M4 or M7 that firmware itself uses; names as in Arm's manuals. Addresses
+ * are in cortex_m.ld.
  */
-#ifndef JOULEPATH_HAL_STM32F4_CORTEX_M_H
-#define JOULEPATH_HAL_STM32F4_CORTEX_M_H
+#ifndef JOULEPATH_HAL_CORTEX_M_CORTEX_M_H
+#define JOULEPATH_HAL_CORTEX_M_CORTEX_M_H
 
-#include "hal/stm32f4/stm32f405.h"
+#include <stdint.h>
 
 /** System control block. */
 struct cortex_scb {
@@ -26,6 +26,7 @@ struct cortex_scb {
 };
 
 #define ICSR_VECTACTIVE   0x1FFU
+#define ICSR_PENDSVSET    (1U << 28)
 #define AIRCR_VECTKEY     (0x5FAU << 16)
 #define AIRCR_SYSRESETREQ (1U << 2)
 #define CCR_DIV_0_TRP     (1U << 4)
@@ -64,13 +65,36 @@ struct cortex_mpu {
 #define RASR_SIZE_POS  1U
 #define RASR_XN        (1U << 28)
 
+/** Interrupt controller. */
+struct cortex_nvic {
+    uint32_t ISER[8];
+    uint32_t reserved_080[24];
+    uint32_t ICER[8];
+    uint32_t reserved_100[24];
+    uint32_t ISPR[8];
+    uint32_t reserved_180[24];
+    uint32_t ICPR[8];
+    uint32_t reserved_200[24];
+    uint32_t IABR[8];
+    uint32_t reserved_280[56];
+    uint8_t IPR[240];
+};
+
+#define CPACR_FPU (0xFU << 20)
+
+extern volatile struct cortex_nvic NVIC;
+extern volatile uint32_t CPACR;
 extern volatile struct cortex_scb SCB;
 extern volatile struct cortex_systick SYSTICK;
 extern volatile struct cortex_mpu MPU;
 
 _Static_assert(sizeof(struct cortex_scb) == 0x40, "SCB");
 
-/** Only the upper 4 bits of a priority count. */
+/** SCB.SHPR of these exceptions. */
+#define SHPR_PENDSV  10U
+#define SHPR_SYSTICK 11U
+
+/** Of many parts only the upper 4 bits of a priority count, of the others they are the upper ones too. */
 #define NVIC_PRIORITY(level) ((uint8_t)((level) << 4))
 
 void jp_interrupts_off(void);
