@@ -1,4 +1,3 @@
-// eva: -eva-slevel 100
 /** Any model and horizon that pass, any start and segment: those out of their ranges are refused. */
 #include <joulepath/horizon.h>
 
