@@ -51,6 +51,8 @@ def drive(log):
     log.tell("CourseLeg", Course=7, After=1, X=1.5, Y=0.25)
     log.tell("CourseLeg", Course=7, After=0, X=2.0, Y=0.75)
     log.tell("NavigationProgress", Distance=1.5, Duration=4.0, Energy=8.0, Deviation=0.5)
+    log.tell("HomeStatus", HomeState="Seeking")
+    log.tell("HomeStatus", HomeState="Suffices", Probability=0.75, Way=6.5, WayDeviation=1.5)
     log.tell("Pose", X=0.25, Y=0.0)
     log.send("CellChanges", MapId=1, Column=7, Row=2, Cells=0xFFFFFC | 1)
     log.tell("Pose", X=0.5, Y=0.125)
@@ -76,6 +78,7 @@ def test_map_way_and_courses(log, tmp_path):
     assert [change[1:] for change in found.changes] == [(7, 2, map_stream.OCCUPIED)]
     assert [state[1:] for state in found.states] == [("Driving", "None"), ("Arrived", "None")]
     assert found.left[0][1:] == (1.5, 4.0, 8.0, 0.5) and found.energy[0][1] == 2.5
+    assert [told[1:] for told in found.home] == [(0.75, 6.5, 1.5)]
 
 
 def test_what_is_sent_again_counts_once(log, tmp_path):
@@ -96,12 +99,14 @@ def test_another_map_begins_anew(log, tmp_path):
     assert len(found.way) == 1 and not found.courses and not found.changes
 
 
-def test_time_is_that_of_the_simulation(log, tmp_path):
-    log.tell("SimTime", Tick=5000)
+@pytest.mark.parametrize("rate", (1000, 100))
+def test_time_is_that_of_the_simulation(log, tmp_path, rate):
+    log.tell("SimTime", Tick=5 * rate, Rate=rate)
     log.send_map()
-    log.tell("SimTime", Tick=7500)
+    log.tell("SimTime", Tick=7 * rate, Rate=rate)
+    log.tell("SimTime", Tick=9 * rate)  # who does not say how long a tick lasts is no clock
     drive(log)
-    assert converted(log, tmp_path)[2].way[0][0] == pytest.approx(2.5)
+    assert converted(log, tmp_path)[2].way[0][0] == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize("make", [drive, lambda log: log.send_map(damage=1), lambda log: log.send_map(order=[0, 2, 3])])

@@ -761,3 +761,17 @@ static void test_deviations_saturate(void)
     TEST_ASSERT_TRUE(estimate().yy > 0);
     TEST_ASSERT_TRUE(estimate().heading_deviation > 0);
 }
+
+/* What it drove after a bias of which it knows nothing: no square exceeds 64 bits. */
+static void test_a_heading_that_nothing_is_known_of_saturates(void)
+{
+    config.tick_rate = 100;
+    config.step_ticks = 32;
+    config.bias_deviation = JP_Q24(0.1);
+    config.scale_deviation = JP_Q24(0.1);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.past.steps = (int32_t)1 << 25;
+    odometry.internal.past.turned = INT32_MIN;
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, estimate().heading_deviation);
+    TEST_ASSERT_TRUE(estimate().steering_ratio_deviation > 0);
+}
