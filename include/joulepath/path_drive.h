@@ -7,10 +7,10 @@
  * frame of the set-point, ahead, to the left and turned to the left,
  *
  *   speed     = v − pace (ahead − move)
- *   turn rate = w − max(2 v/way, pace) (turned + (left + lead)/(2 way))
+ *   turn rate = w − max(2 v/way, pace) (turned + (left + lead)/(2 way) − lean)
  *
- * where the last term aims at the path, at most half a radian: on the spot the more the less is left to turn up to one
- * radian, and in a last turn not at all. So an error to the side falls with the way driven, at v above pace way/2
+ * where the last two terms aim at the path, at most half a radian: on the spot the more the less is left to turn up to
+ * one radian, and in a last turn not at all. So an error to the side falls with the way driven, at v above pace way/2
  * critically damped, by 1/e over about `way`, and the others with time. Both corrections are bounded.
  *
  * Tyres that scrub hold a robot on a slope only while their slip points uphill, so where it turns it slides aside, up
@@ -64,12 +64,13 @@ struct jp_path_set_point {
 /** How the robot slides where the ground slopes, what its wheels do not show. By a grade of 1 to the left, m to the
  *  right; by_left by a grade of 1 ahead, to the left. */
 struct jp_path_slide {
-    jp_q24 ahead;   /**< grade, uphill above 0; ±1 */
-    jp_q24 left;    /**< the same to the left */
-    jp_q24 by_turn; /**< by the radian that it turns, either way, m; 0…64 */
-    jp_q24 by_left; /**< by the radian that it turns to the left, m; 0…8 */
-    jp_q24 most;    /**< of what a radian makes it slide, m: it turns between its axles; 0…4 */
-    jp_q24 by_way;  /**< by the metre, either way; 0…1 */
+    jp_q24 ahead;    /**< grade, uphill above 0; ±1 */
+    jp_q24 left;     /**< the same to the left */
+    jp_q24 by_turn;  /**< by the radian that it turns, either way, m; 0…64 */
+    jp_q24 by_left;  /**< by the radian that it turns to the left, m; 0…8 */
+    jp_q24 most;     /**< of what a radian makes it slide, m: it turns between its axles; 0…4 */
+    jp_q24 by_way;   /**< by the metre, either way; 0…1 */
+    jp_q24 per_most; /**< 1/most, 1/m; any where most is 0 */
 };
 
 /** What is driven from a place on; private. */
@@ -93,8 +94,10 @@ struct jp_path_drive_internal {
     uint16_t looked_at; /**< pieces that look_ahead() has been over, from that of its begin on */
     uint16_t looked_from;
     struct jp_path_stretch seen; /**< of them */
-    jp_q24 leads;                /**< what is made up for before, of what it slides there to the left, m */
+    jp_q24 leads;                /**< what is made up for before, of what it slides in turns to the left, m */
     jp_q24 lead;                 /**< when it was last at its end */
+    jp_q24 lean;                 /**< how far it shall be turned to the left of the path, against what it slides, rad */
+    bool is_to_lean;             /**< next time, instead of looking ahead */
     jp_q24 turn_slides;          /**< on what is left of a turn on the spot, to the left, m; 0: it is on none */
     jp_q24 turn_share;           /**< of the most that this takes it from its place */
     jp_q24 move;                 /**< ahead of the set-point, m */
@@ -118,8 +121,8 @@ void jp_path_drive_begin(struct jp_path_drive *drive, const struct jp_lattice_pa
  *  rest at the path's end. Constant time; for the control ISR. */
 bool jp_path_drive_advance(struct jp_path_drive *drive, struct jp_path_set_point *set_point);
 
-/** Looks at one more of the next three pieces, within twice `way`, for what the robot will slide there; once for each
- *  set-point. Constant time; for the control ISR. */
+/** Looks at one more of the next three pieces, within twice `way`, for what the robot will slide there, and then at
+ *  what it leans; once for each set-point. Constant time; for the control ISR. */
 void jp_path_drive_look_ahead(struct jp_path_drive *drive, const struct jp_path_slide *slide);
 
 /** The motion that leads a robot at a measured pose to the set-point; once for each. Constant time; for the control

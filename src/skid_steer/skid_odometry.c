@@ -296,4 +296,5 @@ void jp_skid_odometry_slide(const struct jp_skid_odometry *odometry, const struc
     slide->by_left = config->turn_shift_across;
     slide->most = config->turn_slide_most;
     slide->by_way = config->creep;
+    slide->per_most = jp_multiply_shift(odometry->internal.slip.per_most, JP_SKID_TWO_PI, 16);
 }

@@ -18,13 +18,17 @@
 /** Most that the robot may be turned from the set-point for the law to look at, 2⁻³² turn. */
 #define TURNED_MAX ((int32_t)JP_ANGLE_DEGREES(60))
 
-/** Most that it aims at the path, rad. */
+/** Most that it aims at the path and leans, rad: turning there makes it slide, too. */
 #define AIM_MAX JP_Q24(0.5)
 
 /** Counter-moves within a turn on the spot, of the most that it takes the robot from its place: so far, and by 3/4 of
  * it in the mean. */
 #define MOVE_MAX  JP_Q24(0.87)
 #define MOVE_MEAN JP_Q24(0.65)
+
+/** Of what a slope makes a robot slide by the radian where nothing limits it, or at most, treads yield so much about
+ * there: (1 + x⁴)^(-1/4) of the former over the latter (skid_odometry.h). */
+#define YIELDING JP_Q24(0.8)
 
 /** Pieces that are looked at for what the robot will slide. */
 #define PIECES_AHEAD 3U
@@ -77,6 +81,8 @@ void jp_path_drive_begin(struct jp_path_drive *drive, const struct jp_lattice_pa
     d->looked_at = 0;
     d->lead = 0;
     d->turn_slides = 0;
+    d->lean = 0;
+    d->is_to_lean = true;
     d->move = 0;
     set_begin(d, path->count > 0U ? &path->pieces[0].begin : &path->end.position);
 }
@@ -282,11 +288,10 @@ static jp_q24 share_of_turn(int32_t base, jp_q24 turn)
     return (((int32_t)1 << 30) / whole) * 16;
 }
 
-/** What a stretch makes up for before, of what it slides there: half; of a turn on the spot less, for it moves back. */
+/** What a stretch makes up for before, of what it slides there: of a curve nothing, for the robot leans against it. */
 static jp_q24 lead_of(const struct jp_path_stretch *stretch, jp_q24 slides)
 {
-    return stretch->way > 0 ? slides / 2
-                            : jp_q24_multiply(slides, share_of_turn(2, (jp_q24)jp_magnitude32(stretch->turn)));
+    return stretch->way > 0 ? 0 : jp_q24_multiply(slides, share_of_turn(2, (jp_q24)jp_magnitude32(stretch->turn)));
 }
 
 /** The stretch that is driven now. */
@@ -304,9 +309,77 @@ static bool is_looked_over(const struct jp_path_drive_internal *d)
            d->seen.way >= 2 * d->config.way;
 }
 
-void jp_path_drive_look_ahead(struct jp_path_drive *drive, const struct jp_path_slide *slide)
+/** How far a piece turns from a place on it to another, rad. */
+static jp_q24 turned_between(const struct jp_path_piece *piece, jp_q24 from, jp_q24 to)
 {
-    struct jp_path_drive_internal *d = &drive->internal;
+    return jp_sub(jp_piece_turned(piece, to), jp_piece_turned(piece, from));
+}
+
+/** How far the path turns on the next `way`, to the end of the next piece at most, or to a turn on the spot. */
+static jp_q24 turn_ahead(const struct jp_path_drive_internal *d, const struct jp_path_piece *piece, jp_q24 way)
+{
+    const jp_q24 beyond = d->progress + way - piece->length;
+
+    if (beyond <= 0) {
+        return turned_between(piece, d->progress, d->progress + way);
+    }
+    const jp_q24 rest = turned_between(piece, d->progress, piece->length);
+
+    if (d->piece + 1U == d->path->count || piece[1].kind != JP_PIECE_CURVE) {
+        return rest;
+    }
+    return jp_add(rest, jp_piece_turned(&piece[1], beyond < piece[1].length ? beyond : piece[1].length));
+}
+
+/** The same of the last `way`. */
+static jp_q24 turn_behind(const struct jp_path_drive_internal *d, const struct jp_path_piece *piece, jp_q24 way)
+{
+    const jp_q24 beyond = way - d->progress;
+
+    if (beyond <= 0) {
+        return turned_between(piece, -beyond, d->progress);
+    }
+    const jp_q24 turned = jp_piece_turned(piece, d->progress);
+
+    if (d->piece == 0U || piece[-1].kind != JP_PIECE_CURVE) {
+        return turned;
+    }
+    const jp_q24 from = piece[-1].length - beyond;
+
+    return jp_add(turned, turned_between(&piece[-1], from > 0 ? from : 0, piece[-1].length));
+}
+
+/** How far it shall be turned to the left of the path, so that it goes along it while it slides. A robot that a turn
+ * slides outwards turns about its front axle, which turns before its middle, and else about its rear one. */
+static jp_q24 lean_on(const struct jp_path_drive_internal *d, const struct jp_path_slide *slide)
+{
+    const struct jp_path_piece *piece = &d->path->pieces[d->piece];
+    const jp_q24 pushed = jp_q24_multiply(slide->by_left, slide->ahead);
+    const jp_q24 crept = jp_q24_multiply(slide->by_turn, slide->left);
+    const jp_q24 left_turn = jp_clamp32(jp_sub(crept, pushed), -slide->most, slide->most); /* to the right */
+    const jp_q24 right_turn = jp_clamp32(jp_sub(jp_sub(0, crept), pushed), -slide->most, slide->most); /* to the left */
+    const jp_q24 ahead = turn_ahead(d, piece, slide->most);
+    const jp_q24 behind = turn_behind(d, piece, slide->most);
+    const jp_q24 left = left_turn > 0 ? ahead : behind;
+    const jp_q24 right = right_turn > 0 ? ahead : behind;
+    const jp_q24 slides =
+        jp_add(left > 0 ? jp_q24_multiply(left, left_turn) : 0, right < 0 ? jp_q24_multiply(right, right_turn) : 0);
+    const jp_q24 by_turn = jp_q24_multiply(jp_q24_multiply(slides, YIELDING), slide->per_most);
+
+    return jp_clamp32(jp_add(by_turn, jp_q24_multiply(slide->by_way, slide->left)), -AIM_MAX, AIM_MAX);
+}
+
+/** Against what it slides on a curve. */
+static void lean(struct jp_path_drive_internal *d, const struct jp_path_slide *slide)
+{
+    const bool is_on_curve = d->piece < d->path->count && d->path->pieces[d->piece].kind == JP_PIECE_CURVE;
+
+    d->lean = is_on_curve ? lean_on(d, slide) : 0;
+}
+
+/** One more piece. */
+static void look_on(struct jp_path_drive_internal *d, const struct jp_path_slide *slide)
+{
     const bool begins = d->looked_at == 0U;
 
     if (begins) {
@@ -331,6 +404,19 @@ void jp_path_drive_look_ahead(struct jp_path_drive *drive, const struct jp_path_
     if (is_looked_over(d)) {
         d->lead = d->leads;
         d->looked_at = 0;
+        d->is_to_lean = true;
+    }
+}
+
+void jp_path_drive_look_ahead(struct jp_path_drive *drive, const struct jp_path_slide *slide)
+{
+    struct jp_path_drive_internal *d = &drive->internal;
+
+    if (d->is_to_lean) {
+        d->is_to_lean = false;
+        lean(d, slide);
+    } else {
+        look_on(d, slide);
     }
 }
 
@@ -405,7 +491,8 @@ void jp_path_drive_track(struct jp_path_drive *drive, const struct jp_path_set_p
     const jp_q24 radians = jp_multiply_shift(turned, RADIANS_PER_TURN, 36);
     const jp_q24 rate = jp_q24_multiply(2 * set_point->motion.speed, d->per_way); /* 1/s */
     const jp_q24 pace = rate > config->pace ? rate : config->pace;
-    const jp_q24 turn_back = jp_q24_multiply(pace, radians + aim_at(d, jp_add(left, d->lead)));
+    const jp_q24 aim = jp_clamp32(aim_at(d, jp_add(left, d->lead)) - d->lean, -AIM_MAX, AIM_MAX);
+    const jp_q24 turn_back = jp_q24_multiply(pace, radians + aim);
 
     move_on(d, set_point->motion.turn_rate, left);
     const jp_q24 back = jp_q24_multiply(config->pace, jp_sub(ahead, d->move));

@@ -52,7 +52,8 @@ static void make_path(void *unused)
 }
 
 /* On a slope to the left. */
-static const struct jp_path_slide slide = {0, JP_Q24(0.2), JP_Q24(1.2), JP_Q24(0.7), JP_Q24(0.25), JP_Q24(0.08)};
+static const struct jp_path_slide slide = {0,        JP_Q24(0.2), JP_Q24(1.2), JP_Q24(0.7), JP_Q24(0.25), JP_Q24(0.08),
+                                           JP_Q24(4)};
 
 static void plan_speeds(void *unused)
 {
@@ -95,6 +96,7 @@ static bool count_steps(uint32_t *mean, uint32_t *worst)
             count++;
         }
         (void)jp_path_drive_advance(&drive, &at);
+        jp_path_drive_look_ahead(&drive, &slide);
         pose = at.pose;
         pose.position.x += (jp_q16)(target_random(&random_state) >> 20);
         pose.heading += (jp_angle)((int32_t)target_random(&random_state) >> TURN_SHIFT);

@@ -86,6 +86,7 @@ static void drive(struct fuzz_input *input, const struct jp_lattice_path *path)
     slide.left = fuzz_range(input, -JP_Q24_ONE, JP_Q24_ONE);
     slide.by_left = fuzz_range(input, 0, JP_Q24(8));
     slide.by_way = fuzz_range(input, 0, JP_Q24_ONE);
+    slide.per_most = fuzz_range(input, 0, INT32_MAX);
     jp_path_drive_begin(&drive, path);
     for (unsigned left = SET_POINTS; left > 0U && jp_path_drive_advance(&drive, &at); left--) {
         struct jp_path_pose pose = at.pose;

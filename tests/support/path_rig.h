@@ -149,7 +149,8 @@ static inline struct jp_path_slide path_rig_slide(const struct path_rig *rig)
                                   path_rig_q24(rig->pivot.creep_across),
                                   path_rig_q24(rig->pivot.shift_across),
                                   path_rig_q24(rig->pivot.slide_most),
-                                  path_rig_q24(rig->pivot.creep)};
+                                  path_rig_q24(rig->pivot.creep),
+                                  path_rig_q24(1 / rig->pivot.slide_most)};
 }
 
 /** A set-point's time; false: the path is driven. */

@@ -361,28 +361,51 @@ static void test_corrections_are_bounded(void)
 
 /* A grade of 0.2 to the left: 0.2 m to the right a radian, and 0.02 a metre. */
 static const struct jp_path_slide aside = {
-    .left = JP_Q24(0.2), .by_turn = JP_Q24(1), .most = JP_Q24(4), .by_way = JP_Q24(0.1)};
+    .left = JP_Q24(0.2), .by_turn = JP_Q24(1), .most = JP_Q24(0.25), .by_way = JP_Q24(0.1), .per_most = JP_Q24(4)};
 
-/* All pieces within twice the way, 1 m. */
+/* Of a radian, treads yield so far of what a slope asks of them. */
+#define YIELDING 0.8
+
+/* All pieces within twice the way, 1 m, and what it leans. */
 static void look_ahead(const struct jp_path_slide *slide)
 {
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 8; i++) {
         jp_path_drive_look_ahead(&drive, slide);
     }
 }
 
-/* What it makes up for before, m to the left, is aimed at, at 2/s over twice 0.5 m. */
-static void expect_lead(double metres, const struct jp_path_slide *slide)
+/* At rest at the set-point: what it makes up for before, m to the left, is aimed at, at 2/s over twice 0.5 m, and what
+ * it leans to the left, rad, at 2/s. */
+static void expect_lead_and_lean(double lead, double lean, const struct jp_path_slide *slide)
 {
     look_ahead(slide);
     at.motion = (struct jp_motion){0, 0};
-    expect_motion(0, metres * 2, track(0, 0, 0));
+    expect_motion(0, 2 * lead + 2 * lean, track(0, 0, 0));
 }
 
-/* Half of what it will slide to the right, m. */
-static void expect_slide(double metres, const struct jp_path_slide *slide)
+static void expect_lean(double lean, const struct jp_path_slide *slide)
 {
-    expect_lead(metres / 2, slide);
+    expect_lead_and_lean(0, lean, slide);
+}
+
+static double progress(void)
+{
+    return drive.internal.progress / 16777216.0;
+}
+
+/* So far to the left of the set-point, at rest. */
+static struct jp_motion track_left(double metres)
+{
+    at.motion = (struct jp_motion){0, 0};
+    return track(-metres * at.sine / 2147483648.0, metres * at.cosine / 2147483648.0, 0);
+}
+
+/* To a place on the path, m or rad on its piece. */
+static void drive_to(uint16_t piece, double way)
+{
+    while (jp_path_drive_piece(&drive) < piece || progress() < way) {
+        skip(1);
+    }
 }
 
 static void test_line_across_a_slope(void)
@@ -391,9 +414,9 @@ static void test_line_across_a_slope(void)
     add_line(0.6);
     begin();
     skip(1);
-    expect_slide(0.02, &aside);
-    skip(drive_piece(0) > 0U ? 20 : 0);
-    expect_slide(0.02 * (0.6 - drive.internal.progress / 16777216.0), &aside);
+    expect_lean(0.02, &aside);
+    drive_to(1, 0.3);
+    expect_lean(0.02, &aside);
 }
 
 static void test_turn_on_the_spot_ahead(void)
@@ -404,7 +427,89 @@ static void test_turn_on_the_spot_ahead(void)
     add_line(0.5);
     begin();
     skip(1);
-    expect_lead(0.01 / 2 + 0.1 / (2 + 0.65 * 0.5) + 0.05 / (2 + 0.65 * 0.25), &aside);
+    expect_lead_and_lean(0.1 / (2 + 0.65 * 0.5) + 0.05 / (2 + 0.65 * 0.25), 0.02, &aside);
+}
+
+/* ---- Leaning against a slope ---- */
+
+/* A bend that it slides out of: it turns about its front axle, a quarter of a metre ahead. */
+static void test_leans_before_a_bend_uphill(void)
+{
+    add_line(1);
+    add(JP_PIECE_CURVE, 1, 1, 0);
+    begin();
+    drive_to(0, 0.9);
+    expect_lean(0.02 + YIELDING * 0.2 / 0.25 * (0.25 - (1 - progress())), &aside);
+    drive_to(1, 0.5);
+    expect_lean(0.02 + YIELDING * 0.2, &aside);
+    drive_to(1, 0.9);
+    expect_lean(0.02 + YIELDING * 0.2 / 0.25 * (1 - progress()), &aside);
+}
+
+/* A bend that it slides into: it turns about its rear axle, a quarter of a metre behind. */
+static void test_leans_after_a_bend_downhill(void)
+{
+    add(JP_PIECE_CURVE, 1, -1, 0);
+    add_line(1);
+    begin();
+    drive_to(0, 0.1);
+    expect_lean(0.02 + YIELDING * 0.2 / 0.25 * progress(), &aside);
+    drive_to(0, 0.5);
+    expect_lean(0.02 + YIELDING * 0.2, &aside);
+    drive_to(1, 0.1);
+    expect_lean(0.02 + YIELDING * 0.2 / 0.25 * (0.25 - progress()), &aside);
+    drive_to(1, 0.5);
+    expect_lean(0.02, &aside);
+}
+
+/* No more than it may slide, and no farther than it aims. */
+static void test_lean_is_limited(void)
+{
+    const struct jp_path_slide steep = {
+        .left = JP_Q24(0.5), .by_turn = JP_Q24(1), .most = JP_Q24(0.25), .per_most = JP_Q24(4)};
+
+    config.turn_correction = JP_Q24(2);
+    init();
+    add(JP_PIECE_CURVE, 1, 1, 0);
+    add(JP_PIECE_CURVE, 1, 4, 0);
+    begin();
+    drive_to(0, 0.3);
+    expect_lean(YIELDING * 0.25, &steep);
+    drive_to(1, 0.5);
+    look_ahead(&steep);
+    expect_near(0.5, drive.internal.lean);
+    expect_near(0.5, jp_q24_divide(track_left(-0.1).turn_rate, config.pace)); /* at 2/s, with what it aims */
+}
+
+/* Only what follows at once: not over a turn on the spot, nor beyond the next piece. */
+static void test_leans_by_the_next_piece_at_most(void)
+{
+    add_line(1);
+    add(JP_PIECE_CURVE, 0.1, 1, 0);
+    add(JP_PIECE_CURVE, 0.1, -1, 0);
+    add_line(1);
+    begin();
+    drive_to(0, 0.95);
+    expect_lean(0.02 + YIELDING * 0.2 / 0.25 * 0.1, &aside);
+    drive_to(3, 0.05);
+    expect_lean(0.02 + YIELDING * 0.2 / 0.25 * 0.1, &aside);
+}
+
+static void test_turn_on_the_spot_is_none_to_lean_by(void)
+{
+    add_line(1);
+    add(JP_PIECE_TURN_LEFT, 0.5, 0, 0);
+    add_line(1);
+    begin();
+    drive_to(0, 0.9);
+    look_ahead(&aside);
+    expect_near(0.02, drive.internal.lean);
+    drive_to(1, 0.1);
+    look_ahead(&aside);
+    TEST_ASSERT_EQUAL_INT32(0, drive.internal.lean);
+    drive_to(2, 0.1);
+    look_ahead(&aside);
+    expect_near(0.02, drive.internal.lean);
 }
 
 /* ---- Within a turn on the spot ---- */
@@ -493,33 +598,29 @@ static void test_slope_turns_with_the_robot(void)
 {
     const struct jp_path_slide ahead = {.ahead = JP_Q24(0.2), .by_turn = JP_Q24(1), .most = JP_Q24(4)};
 
-    add(JP_PIECE_CURVE, 1, 0.5, 0);
+    add(JP_PIECE_CURVE, 0.5, 1, 0);
+    add(JP_PIECE_TURN_LEFT, 0.5, 0, 0);
     begin();
     skip(1);
-    expect_slide(-0.025, &ahead); /* to the left of where it looks it falls: 0.2 · 0.25 · 0.5 */
+    /* to the left of where it looks it falls: 0.2 · 0.75 · 0.5 */
+    expect_lead_and_lean(-0.075 / (2 + 0.65 * 0.5), 0, &ahead);
 }
 
 /* Load on the axles behind: a turn to the left pushes to the left, to the right to the right. */
 static void test_centre_of_turn_behind_the_middle(void)
 {
-    const struct jp_path_slide ahead = {.ahead = JP_Q24(0.2), .by_left = JP_Q24(1), .most = JP_Q24(0.15)};
+    const struct jp_path_slide ahead = {
+        .ahead = JP_Q24(0.2), .by_left = JP_Q24(1), .most = JP_Q24(0.15), .per_most = JP_Q24(6.6666667)};
 
     add(JP_PIECE_CURVE, 1, 0.5, 0);
     begin();
-    skip(1);
-    expect_slide(-0.15 * 0.5, &ahead);
+    drive_to(0, 0.5);
+    expect_lean(-YIELDING * 0.15 * 0.5, &ahead);
     setUp();
     add(JP_PIECE_CURVE, 1, -0.5, 0);
     begin();
-    skip(1);
-    expect_slide(0.15 * 0.5, &ahead);
-}
-
-/* So far to the left of the set-point, at rest. */
-static struct jp_motion track_left(double metres)
-{
-    at.motion = (struct jp_motion){0, 0};
-    return track(-metres * at.sine / 2147483648.0, metres * at.cosine / 2147483648.0, 0);
+    drive_to(0, 0.5);
+    expect_lean(YIELDING * 0.15 * 0.5, &ahead);
 }
 
 /* In a turn it aims at what comes after it, more and more in its last radian. */
