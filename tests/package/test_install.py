@@ -112,7 +112,7 @@ def test_the_cmake_package_may_be_moved_and_found_twice(installed, tmp_path):
 
 def test_destdir_stages_the_same_files_without_its_path(build, tmp_path):
     stage = tmp_path / "stage"
-    make(f"BUILD={build}", f"DESTDIR={stage}", "PREFIX=/opt/joulepath", "install")
+    make(f"BUILD={build}", f"DESTDIR={stage}", "PREFIX=/opt/joulepath", f"PROGRAMS={BUILT}", "install")
     assert [path.name for path in stage.iterdir()] == ["opt"]
     assert "prefix=/opt/joulepath\n" in (stage / "opt/joulepath/lib/pkgconfig/joulepath.pc").read_text("utf-8")
     for name, content in contents_of(stage).items():

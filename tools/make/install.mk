@@ -34,7 +34,7 @@ install-programs: $(PROGRAMS)
 	$(PREFIX_CHECK)
 	umask 022 && tools/python/copy_tools.sh $(DOOR)/joulepath
 	install -d $(DOOR)/joulepath/build/bin $(INSTALL_ROOT)/bin
-	install -m 755 $(PROGRAMS) $(DOOR)/joulepath/build/bin
+	install -s -m 755 $(PROGRAMS) $(DOOR)/joulepath/build/bin
 	install -m 644 tools/python/joulepath/door.py $(DOOR)/joulepath
 	printf '#!/bin/sh\nexec python3 %s "$$@"\n' $(PREFIX)/lib/joulepath/joulepath/door.py | install -m 755 /dev/stdin $(INSTALL_ROOT)/bin/joulepath
 
