@@ -93,7 +93,7 @@ $(LOGS)/$1/test_%.log: $(BUILD)/$1/test_%
 	$$(call SAY,RUN $$<)
 	$$Q$(RUN) $$@ $(UNIT_LIMIT) $(RUN.$1) $$< $$(CLOCK)
 endef
-$(foreach v,host-coverage $(HOST_TESTS) $(sort $(ALL_UNIT_CORES) $(SPEED_VARIANTS)),$(eval $(call unit_rules,$v)))
+$(foreach v,host-coverage host-mcdc $(HOST_TESTS) $(sort $(ALL_UNIT_CORES) $(SPEED_VARIANTS)),$(eval $(call unit_rules,$v)))
 
 # Equal bits on every core; with scenes, which are integers only.
 define bits_rules
@@ -102,7 +102,7 @@ $(BUILD)/$1/test_%_bits: $(BUILD)/$1/tests/bits/test_%_bits.o $(BUILD)/$1/tests/
                          $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libjoulepath.a
 	$$(call $(if $(BOARD.$1),link_target,link_core),$1)
 endef
-$(foreach v,$(HOST_TESTS) $(SPEED_VARIANTS),$(eval $(call bits_rules,$v)))
+$(foreach v,host-coverage $(HOST_TESTS) $(SPEED_VARIANTS),$(eval $(call bits_rules,$v)))
 
 # What the targets' own support is made of.
 define support_test_rules
@@ -237,7 +237,7 @@ GROWTH_CYCLES := $(filter $(BUILD)/bench/%-$(GROWTH_CORE).json,$(CYCLES))
 $(LOGS)/gates/growth.log: $(GROWTH_VARIANTS:%=$(BUILD)/%/whole) $(BUILD)/firmware/whole $(GROWTH_CYCLES)
 	$(call SAY,RUN gate growth)
 	$Q$(RUN) $@ $(GATE_LIMIT) tests/gates/growth.sh '$(BUILD)/$(GROWTH_CORE)-os/' \
-	    '$(GROWTH_VARIANTS:%=$(BUILD)/%/) $(BUILD)/firmware/' '$(GROWTH_CYCLES)'
+	    '$(GROWTH_VARIANTS:%=$(BUILD)/%/) $(BUILD)/firmware/' '$(GROWTH_CYCLES)' '$(BUILD)/$(GROWTH_CORE)/'
 
 $(LOGS)/gates/firmware.log: $(GATE_IMAGES)
 	$(call SAY,RUN gate firmware)
