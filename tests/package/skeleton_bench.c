@@ -92,7 +92,7 @@ void __wrap_board_feed_watchdog(void)
 void __wrap_board_wait(void)
 {
     if (++waits > TICKS) {
-        printf("on for %u ticks, at the end %s; ticks at %u Hz; watchdog fed %u times\n", (unsigned)ticks_on,
+        printf("{\"ticks_on\": %u, \"end\": \"%s\", \"rate_hz\": %u, \"fed\": %u}\n", (unsigned)ticks_on,
                on ? "on" : "off", (unsigned)tick_rate, (unsigned)meals);
         exit(EXIT_SUCCESS);
     }

@@ -1,6 +1,6 @@
 """hal/skeleton: a port of which any part is still missing leaves the motors off; with all of them it balances."""
 import itertools
-import re
+import json
 
 import pytest
 from conftest import PROGRAMS, ROOT, WARNINGS, command, core_sources
@@ -37,9 +37,8 @@ def subsets():
 
 
 def run(bench, functions):
-    report = re.fullmatch(r"on for (\d+) ticks, at the end (on|off); ticks at (\d+) Hz; watchdog fed (\d+) times\n",
-                          command(bench, functions))
-    return int(report[1]), report[2], int(report[3]), int(report[4])
+    report = json.loads(command(bench, functions))
+    return report["ticks_on"], report["end"], report["rate_hz"], report["fed"]
 
 
 @pytest.mark.parametrize("functions", subsets(), ids=lambda functions: functions or "nothing")
