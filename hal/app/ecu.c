@@ -146,6 +146,11 @@ void jp_ecu_navigate(struct jp_ecu *ecu, struct jp_navigation *navigation)
     ecu->internal.navigation = navigation;
 }
 
+void jp_ecu_use_battery(struct jp_ecu *ecu, struct jp_ecu_battery *battery)
+{
+    ecu->internal.battery = battery;
+}
+
 const struct jp_learned_state *jp_ecu_learned_state(const struct jp_ecu *ecu)
 {
     return ecu->internal.robot.kind->learned_state(ecu->internal.robot.self);
@@ -225,6 +230,8 @@ static const struct {
     {JP_CAN_COURSE_LEG_FRAME_ID, JP_CAN_COURSE_LEG_LENGTH, OWN},
     {JP_CAN_MAP_POSE_FRAME_ID, JP_CAN_MAP_POSE_LENGTH, OWN},
     {JP_CAN_PATROL_STATUS_FRAME_ID, JP_CAN_PATROL_STATUS_LENGTH, OWN},
+    {JP_CAN_HOME_STATUS_FRAME_ID, JP_CAN_HOME_STATUS_LENGTH, OWN},
+    {JP_CAN_HOME_BATTERY_FRAME_ID, JP_CAN_HOME_BATTERY_LENGTH, OWN},
 };
 #define KNOWN (sizeof known / sizeof known[0])
 
@@ -673,11 +680,24 @@ static void tell_learned(struct jp_ecu *ecu)
     }
 }
 
+static void follow_battery(struct jp_ecu *ecu)
+{
+    const struct jp_ecu_robot *robot = &ecu->internal.robot;
+    struct jp_ecu_supply supply;
+
+    if (ecu->internal.battery != NULL && robot->kind->supply != NULL && robot->kind->supply(robot->self, &supply)) {
+        if (jp_ecu_battery_pass(ecu->internal.battery, &supply, ecu->internal.worked_tick, tick_rate(ecu))) {
+            robot->kind->lack(robot->self, jp_ecu_battery_lacks(ecu->internal.battery, &supply));
+        }
+    }
+}
+
 void jp_ecu_work(struct jp_ecu *ecu)
 {
     ecu->internal.told_to_stand = false;
     take_commands(ecu);
     pass_time(ecu);
+    follow_battery(ecu);
     obey(ecu, jp_ecu_state_now(ecu));
     pilot(ecu);
     watch_route(ecu);

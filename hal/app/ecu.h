@@ -37,6 +37,9 @@ void jp_ecu_report_reset(struct jp_ecu *ecu, const struct jp_reset_report *repor
  *  stay. */
 void jp_ecu_navigate(struct jp_ecu *ecu, struct jp_navigation *navigation);
 
+/** The ECU follows what its cells have left: the battery was prepared. Right after jp_ecu_init(); it must stay. */
+void jp_ecu_use_battery(struct jp_ecu *ecu, struct jp_ecu_battery *battery);
+
 /** What was learned, to be stored; NULL: it does not learn. For the background. */
 const struct jp_learned_state *jp_ecu_learned_state(const struct jp_ecu *ecu);
 

@@ -303,6 +303,40 @@ static uint8_t tell_learned(const void *self, struct jp_can_frame frames[JP_ECU_
     return 1;
 }
 
+/** W, of a steady drive straight on at the speed limit. */
+static jp_q16 cruise_power(const struct jp_ecu_balancer *balancer)
+{
+    const struct jp_energy_model *model = balancer->pilot.config.model;
+    const jp_q24 speed = jp_robot_configuration(&balancer->robot)->limits.speed;
+    const jp_q24 square = jp_q24_multiply(speed, speed);
+    const jp_q16 power = jp_add(jp_multiply_shift(model->b[0], square, 24), model->electronics_power);
+
+    return jp_energy_to_q16(jp_energy_from_q16(power, model->unit_exponent), 0);
+}
+
+static bool tell_supply(const void *self, struct jp_ecu_supply *supply)
+{
+    const struct jp_ecu_balancer *balancer = self;
+    const struct jp_sensors *good = jp_robot_good_frame(&balancer->robot);
+    struct jp_telemetry telemetry;
+
+    if (good == NULL || !jp_robot_telemetry(&balancer->robot, &telemetry)) {
+        return false;
+    }
+    *supply = (struct jp_ecu_supply){.drawn = telemetry.energy_battery,
+                                     .voltage = __atomic_load_n(&good->bus_voltage, __ATOMIC_RELAXED),
+                                     .cruise = cruise_power(balancer)};
+    return true;
+}
+
+static void lack(void *self, jp_q16 lacking)
+{
+    struct jp_ecu_balancer *balancer = self;
+
+    /* Where next to nothing is left it stays as it was: the robot stands, and its monitor switches it off in time. */
+    (void)jp_pilot_lack_voltage(&balancer->pilot, lacking);
+}
+
 /* Start. */
 
 static const struct jp_ecu_kind balancer_kind = {
@@ -330,6 +364,8 @@ static const struct jp_ecu_kind balancer_kind = {
     .segments_planned = segments_planned,
     .segment = tell_segment,
     .learned_state = learned_state,
+    .supply = tell_supply,
+    .lack = lack,
     .lessons = tell_lessons,
     .tell_learned = tell_learned,
 };

@@ -115,6 +115,13 @@ struct jp_ecu_lessons {
     enum jp_stored stored;
 };
 
+/** What feeds the robot, as it measures it. */
+struct jp_ecu_supply {
+    jp_energy drawn; /**< out of the battery since init */
+    jp_q16 voltage;  /**< of the bus, V */
+    jp_q16 cruise;   /**< power at the highest speed that it plans, as its model has it, W */
+};
+
 /** The bus, for a kind whose sensors and drives are not those of struct jp_hal. */
 struct jp_ecu_bus {
     void *context;
@@ -195,6 +202,11 @@ struct jp_ecu_kind {
     /** What it has learned, to be stored; NULL: it does not learn. */
     const struct jp_learned_state *(*learned_state)(const void *self);
     void (*lessons)(const void *self, struct jp_ecu_lessons *lessons);
+    /** False: no plausible sample came. NULL: it does not tell. */
+    bool (*supply)(const void *self, struct jp_ecu_supply *supply);
+    /** What it plans from now on gets by with so many volts less than it was designed for. Null where the one above is.
+     */
+    void (*lack)(void *self, jp_q16 lacking);
     /** The frames of its kind; returns their number. */
     uint8_t (*tell_learned)(const void *self, struct jp_can_frame frames[JP_ECU_LEARNED_FRAMES]);
 };

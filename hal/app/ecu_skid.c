@@ -338,6 +338,29 @@ static void note(void *self)
     }
 }
 
+static bool tell_supply(const void *self, struct jp_ecu_supply *supply)
+{
+    const struct jp_ecu_skid *skid = self;
+    const struct jp_sensors *good = jp_skid_robot_good_frame(&skid->robot);
+    struct jp_skid_telemetry telemetry;
+
+    if (good == NULL || !jp_skid_robot_telemetry(&skid->robot, &telemetry)) {
+        return false;
+    }
+    *supply = (struct jp_ecu_supply){.drawn = telemetry.energy,
+                                     .voltage = __atomic_load_n(&good->bus_voltage, __ATOMIC_RELAXED),
+                                     .cruise = skid->internal.cruise};
+    return true;
+}
+
+static void lack(void *self, jp_q16 lacking)
+{
+    struct jp_ecu_skid *skid = self;
+
+    /* Where next to nothing is left it stays as it was: the robot stands, and its monitor switches it off in time. */
+    (void)jp_skid_pilot_lack_voltage(&skid->pilot, lacking);
+}
+
 /* Start. */
 
 static const struct jp_ecu_kind skid_kind = {
@@ -365,6 +388,8 @@ static const struct jp_ecu_kind skid_kind = {
     .segments_planned = segments_begun,
     .segment = tell_segment,
     .learned_state = learned_state,
+    .supply = tell_supply,
+    .lack = lack,
     .lessons = tell_lessons,
     .tell_learned = tell_learned,
 };
@@ -399,6 +424,16 @@ static enum jp_stored restore(struct jp_ecu_skid *skid, const struct jp_ecu_skid
     return config->state->identity == 0U ? JP_STORED_NOTHING : JP_STORED_OTHER_TABLES;
 }
 
+/** W, of a steady drive straight on at the highest speed that is planned, on level ground. */
+static jp_q16 cruise_power(const struct jp_ecu_skid_config *config)
+{
+    const struct jp_motion motion = {.speed = config->limits->speed};
+    jp_q16 power = 0;
+
+    (void)jp_skid_energy_power(config->energy, &motion, 0, &power);
+    return power;
+}
+
 enum jp_status jp_ecu_skid_init(struct jp_ecu_skid *skid, const struct jp_ecu_skid_config *config,
                                 struct jp_ecu_robot *robot, const char **field)
 {
@@ -414,6 +449,7 @@ enum jp_status jp_ecu_skid_init(struct jp_ecu_skid *skid, const struct jp_ecu_sk
     if (status == JP_OK) {
         skid->stored = restore(skid, config);
         take_up_lessons(skid);
+        skid->internal.cruise = cruise_power(config);
         *robot = (struct jp_ecu_robot){.kind = &skid_kind,
                                        .self = skid,
                                        .tick_rate = config->robot->control.tick_rate,

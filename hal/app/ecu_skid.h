@@ -34,6 +34,7 @@ struct jp_ecu_skid {
         struct jp_skid_energy_model models[2];    /* one of them, as learned when the last route began */
         jp_q24 corner;
         jp_q24 goal_corner;
+        jp_q16 cruise;        /* power at the highest speed, W */
         uint8_t waking_ticks; /* after a reset in motion, in which it is to be enabled */
         uint16_t begun;       /* legs whose ends were noted */
         uint16_t ended;       /* legs whose results were handed over */

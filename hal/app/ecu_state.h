@@ -2,6 +2,7 @@
 #ifndef JOULEPATH_HAL_APP_ECU_STATE_H
 #define JOULEPATH_HAL_APP_ECU_STATE_H
 
+#include "hal/app/ecu_battery.h"
 #include "hal/app/ecu_robot.h"
 #include "hal/app/navigation.h"
 #include "hal/can/operator_link.h"
@@ -53,6 +54,7 @@ struct jp_ecu_internal {
     struct jp_operator_link operator_link;
     struct jp_route_link routes;
     struct jp_navigation *navigation; /**< NULL: it has none */
+    struct jp_ecu_battery *battery;   /**< NULL: it knows nothing of it */
     uint8_t refusal;                  /**< enum jp_refusal of the last Stand of a robot whose motors are off */
     bool lacks_samples;               /**< shall stand, and has waited for the first one long enough */
     bool told_to_stand;               /**< the last valid OperatorCommand since the last work is a Stand */

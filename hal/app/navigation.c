@@ -12,7 +12,11 @@
 #define ENERGY_SHIFT   13U /* Q16 to Q3 */
 #define POINT_SHIFT    9U  /* Q16 to Q7 */
 
+#define WAY_SHIFT  29U /* Q32 to Q3 */
+#define LEFT_SHIFT 28U /* Q32 to Q4 */
+
 #define DEVIATION_MAX ((1 << 14) - 1)
+#define WAY_MAX       ((1 << 20) - 1)
 
 bool jp_navigation_is_under_way(const struct jp_navigation *navigation)
 {
@@ -22,6 +26,40 @@ bool jp_navigation_is_under_way(const struct jp_navigation *navigation)
 static const struct jp_terrain *map_of(const struct jp_navigation *navigation)
 {
     return &navigation->maps.decoder.terrain;
+}
+
+/* The way home. */
+
+static struct jp_home *home_of(const struct jp_navigation *navigation)
+{
+    return navigation->home_status == JP_OK ? navigation->config.home->home : NULL;
+}
+
+/** To where the robot was switched on. Without it the robot drives all the same. */
+static enum jp_status prepare_home(struct jp_navigation *navigation, const struct jp_terrain *map,
+                                   const struct jp_place *origin)
+{
+    const struct jp_navigation_home *home = navigation->config.home;
+    const jp_q16 cell = map->config.resolution;
+    const char *field;
+
+    if (home == NULL) {
+        return JP_ERR_MEMORY;
+    }
+    const struct jp_home_config config = {.navigator = &navigation->navigator,
+                                          .x = (int16_t)(origin->point.x / cell),
+                                          .y = (int16_t)(origin->point.y / cell),
+                                          .confidence = home->turns_back ? home->confidence : 0,
+                                          .left = jp_ecu_battery_left,
+                                          .given = jp_ecu_battery_given,
+                                          .context = home->battery,
+                                          .legs = home->legs,
+                                          .legs_max = home->legs_max,
+                                          .slice = JP_NAVIGATION_HOME_SLICE,
+                                          .block = home->block,
+                                          .size = home->size};
+
+    return jp_home_init(home->home, &config, &field);
 }
 
 /* The navigator on a lattice finds the way. */
@@ -51,6 +89,9 @@ static enum jp_status prepare_navigator(void *self, struct jp_terrain *map, cons
     if (status == JP_OK) {
         status = jp_navigator_init(&navigation->navigator, &navigator, origin, &field);
     }
+    if (status == JP_OK) {
+        navigation->home_status = prepare_home(navigation, map, origin);
+    }
     return status;
 }
 
@@ -59,6 +100,15 @@ static void forget_navigator(void *self)
     struct jp_navigation *navigation = self;
 
     navigation->navigator = (struct jp_navigator){.state = JP_NAVIGATOR_IDLE};
+    navigation->home_status = JP_ERR_STATE;
+}
+
+/** It looks for its way home before it leaves. */
+static bool is_preparing(const struct jp_navigation *navigation)
+{
+    const struct jp_home *home = home_of(navigation);
+
+    return home != NULL && home->state == JP_HOME_PREPARING;
 }
 
 static bool is_navigator_under_way(const void *self)
@@ -66,7 +116,7 @@ static bool is_navigator_under_way(const void *self)
     const struct jp_navigation *navigation = self;
     const enum jp_navigator_state state = navigation->navigator.state;
 
-    return state != JP_NAVIGATOR_IDLE && state < JP_NAVIGATOR_ARRIVED;
+    return is_preparing(navigation) || (state != JP_NAVIGATOR_IDLE && state < JP_NAVIGATOR_ARRIVED);
 }
 
 static void let_navigator_see(void *self, int32_t x, int32_t y, enum jp_cell cell)
@@ -109,20 +159,48 @@ static bool can_stand_there(const void *self, const struct jp_map_goal *goal)
     return false;
 }
 
+static bool turns_back(const struct jp_navigation *navigation)
+{
+    return home_of(navigation) != NULL && navigation->config.home->turns_back;
+}
+
 static enum jp_status send_navigator(void *self, const struct jp_map_goal *goal)
 {
     struct jp_navigation *navigation = self;
     const struct jp_goal place = {
         .x = (int16_t)goal->x, .y = (int16_t)goal->y, .headings = headings_of(navigation, goal)};
 
-    return jp_navigator_go(&navigation->navigator, &place);
+    if (!turns_back(navigation)) {
+        return jp_navigator_go(&navigation->navigator, &place);
+    }
+    return can_stand_there(self, goal) ? jp_home_go(home_of(navigation), &place) : JP_ERR_BLOCKED;
 }
 
 static void stop_navigator(void *self)
 {
     struct jp_navigation *navigation = self;
 
-    jp_navigator_stop(&navigation->navigator);
+    if (home_of(navigation) == NULL) {
+        jp_navigator_stop(&navigation->navigator);
+    } else {
+        jp_home_stop(home_of(navigation));
+    }
+}
+
+static enum jp_navigator_state work_on(struct jp_navigation *navigation)
+{
+    struct jp_home *home = home_of(navigation);
+
+    if (home == NULL) {
+        return jp_navigator_work(&navigation->navigator);
+    }
+    const bool was_preparing = home->state == JP_HOME_PREPARING;
+    const enum jp_home_state state = jp_home_work(home);
+
+    if (home->has_turned_back || (was_preparing && state == JP_HOME_FAILED)) {
+        navigation->answer = JP_GOAL_HOME;
+    }
+    return navigation->navigator.state;
 }
 
 static bool work_of_navigator(void *self)
@@ -130,7 +208,7 @@ static bool work_of_navigator(void *self)
     struct jp_navigation *navigation = self;
     const enum jp_navigator_state before = navigation->navigator.state;
 
-    return jp_navigator_work(&navigation->navigator) == JP_NAVIGATOR_TURNING && before == JP_NAVIGATOR_JOINING;
+    return work_on(navigation) == JP_NAVIGATOR_TURNING && before == JP_NAVIGATOR_JOINING;
 }
 
 static void tell_of_navigator(const void *self, struct jp_way_report *report)
@@ -138,7 +216,7 @@ static void tell_of_navigator(const void *self, struct jp_way_report *report)
     const struct jp_navigation *navigation = self;
     const struct jp_navigator *navigator = &navigation->navigator;
 
-    *report = (struct jp_way_report){.state = navigator->state,
+    *report = (struct jp_way_report){.state = is_preparing(navigation) ? JP_NAVIGATOR_PLANNING : navigator->state,
                                      .reason = navigator->reason,
                                      .status = navigator->status,
                                      .replans = navigator->replans};
@@ -170,7 +248,7 @@ static const char *missing(const struct jp_navigation_config *config)
 
 static void start(struct jp_navigation *navigation, const struct jp_wayfinder *finder, const struct jp_map_room *room)
 {
-    *navigation = (struct jp_navigation){.finder = *finder};
+    *navigation = (struct jp_navigation){.finder = *finder, .home_status = JP_ERR_STATE};
     jp_map_link_start(&navigation->maps, room);
 }
 
@@ -446,6 +524,82 @@ static uint8_t tell_legs(struct jp_navigation *navigation, const struct jp_cours
     return told;
 }
 
+static enum jp_home_told told_of_probability(const struct jp_navigation *navigation, jp_q31 probability)
+{
+    return probability >= navigation->config.home->confidence ? JP_HOME_TOLD_SUFFICES : JP_HOME_TOLD_TOO_LITTLE;
+}
+
+/** *answer is 0 where it is not known. */
+static enum jp_home_told ask_home(const struct jp_navigation *navigation, struct jp_home_answer *answer)
+{
+    const struct jp_home *home = home_of(navigation);
+    struct jp_home_answer found = {.probability = 0};
+    const enum jp_status status = jp_home_ask(home, &found);
+
+    if (status == JP_OK) {
+        *answer = found;
+    }
+    if (home->state == JP_HOME_RETURNING) {
+        return JP_HOME_TOLD_TURNING_BACK;
+    }
+    if (jp_home_is_cut_off(home)) {
+        return JP_HOME_TOLD_NO_WAY;
+    }
+    if (status == JP_ERR_NO_PLAN) {
+        return JP_HOME_TOLD_SEEKING;
+    }
+    return status == JP_OK ? told_of_probability(navigation, found.probability) : JP_HOME_TOLD_UNPOWERED;
+}
+
+static enum jp_home_told look_home(const struct jp_navigation *navigation, struct jp_home_answer *answer)
+{
+    switch (navigation->home_status) {
+    case JP_OK:
+        return ask_home(navigation, answer);
+    case JP_ERR_MEMORY:
+        return JP_HOME_TOLD_NO_ROOM;
+    case JP_ERR_BLOCKED:
+        return JP_HOME_TOLD_CLOSED;
+    default:
+        return JP_HOME_TOLD_NONE;
+    }
+}
+
+static uint32_t way_signal(const struct jp_navigation *navigation, jp_q16 energy)
+{
+    const int64_t way = jp_energy_from_q16(energy, navigation->unit_exponent) >> WAY_SHIFT;
+
+    return (uint32_t)(way < WAY_MAX ? way : WAY_MAX);
+}
+
+static void tell_home(const struct jp_navigation *navigation, struct jp_can_frame *frame)
+{
+    struct jp_home_answer answer = {.probability = 0};
+    const enum jp_home_told told = look_home(navigation, &answer);
+    const struct jp_can_home_status_t signals = {.home_state = (uint8_t)told,
+                                                 .probability = (uint16_t)((uint32_t)answer.probability >> 15U),
+                                                 .way = way_signal(navigation, answer.way.energy),
+                                                 .way_deviation = way_signal(navigation, answer.way.deviation)};
+
+    begin(frame, JP_CAN_HOME_STATUS_FRAME_ID);
+    (void)jp_can_home_status_pack(frame->data, &signals, sizeof frame->data);
+}
+
+static void tell_battery(const struct jp_navigation *navigation, struct jp_can_frame *frame)
+{
+    jp_energy left = 0;
+    jp_energy deviation = 0;
+
+    if (navigation->config.home != NULL) {
+        jp_ecu_battery_tell(navigation->config.home->battery, &left, &deviation);
+    }
+    const struct jp_can_home_battery_t signals = {.left = (uint32_t)(left >> LEFT_SHIFT),
+                                                  .left_deviation = (uint32_t)(deviation >> LEFT_SHIFT)};
+
+    begin(frame, JP_CAN_HOME_BATTERY_FRAME_ID);
+    (void)jp_can_home_battery_pack(frame->data, &signals, sizeof frame->data);
+}
+
 static void report(struct jp_navigation *navigation)
 {
     struct jp_way_report way = {.state = JP_NAVIGATOR_IDLE};
@@ -458,7 +612,13 @@ static void report(struct jp_navigation *navigation)
     tell_progress(navigation, &way.progress, &navigation->frames[told]);
     tell_state(navigation, &way, &navigation->frames[told + 1U]);
     tell_map(navigation, &navigation->frames[told + 2U]);
-    __atomic_store_n(&navigation->frames_left, (uint8_t)(told + 3U), __ATOMIC_RELEASE);
+    navigation->told_home = !navigation->told_home;
+    if (navigation->told_home) {
+        tell_home(navigation, &navigation->frames[told + 3U]);
+    } else {
+        tell_battery(navigation, &navigation->frames[told + 3U]);
+    }
+    __atomic_store_n(&navigation->frames_left, (uint8_t)(told + 4U), __ATOMIC_RELEASE);
 }
 
 bool jp_navigation_take_frame(struct jp_navigation *navigation, struct jp_can_frame *frame)

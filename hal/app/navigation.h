@@ -13,9 +13,11 @@
 #ifndef JOULEPATH_HAL_APP_NAVIGATION_H
 #define JOULEPATH_HAL_APP_NAVIGATION_H
 
+#include <joulepath/home.h>
 #include <joulepath/navigator.h>
 #include <joulepath/navigator_body.h>
 
+#include "hal/app/ecu_battery.h"
 #include "hal/can/map_link.h"
 
 #ifdef __cplusplus
@@ -38,8 +40,24 @@ extern "C" {
 #define JP_NAVIGATION_REPORT_MS   100U
 #define JP_NAVIGATION_REPORT_LEGS 4U
 
-/** Frames of a report: MapStatus, NavigationStatus, NavigationProgress, CourseLeg. */
-#define JP_NAVIGATION_FRAMES (3U + JP_NAVIGATION_REPORT_LEGS)
+/** Frames of a report: MapStatus, NavigationStatus, NavigationProgress, in turns HomeStatus and HomeBattery, CourseLeg.
+ */
+#define JP_NAVIGATION_FRAMES (4U + JP_NAVIGATION_REPORT_LEGS)
+
+/** Poses of the way home of a slice. */
+#define JP_NAVIGATION_HOME_SLICE 100U
+
+/** The way home, to where the robot was switched on. */
+struct jp_navigation_home {
+    struct jp_home *home; /**< the caller's memory, as the next three */
+    void *block;          /**< jp_home_size() bytes of the largest map whose way home shall be known, aligned to 8 */
+    size_t size;
+    struct jp_course_leg *legs;
+    uint16_t legs_max;              /**< at least 1 */
+    struct jp_ecu_battery *battery; /**< of the ECU */
+    jp_q31 confidence;              /**< from which on what is left is told to suffice; ½…0.9999 */
+    bool turns_back;                /**< by itself, below that */
+};
 
 struct jp_navigation_config {
     const struct jp_lattice *lattice;     /**< of the disc in which the robot turns */
@@ -52,6 +70,8 @@ struct jp_navigation_config {
     size_t way_size;
     struct jp_course_leg *legs;
     uint16_t legs_max; /**< at least 1 */
+    /** NULL: there is no memory for it. All its pointers are there. It must stay. */
+    const struct jp_navigation_home *home;
 };
 
 /** Values of Answer in NavigationStatus. */
@@ -62,7 +82,21 @@ enum jp_goal_answer {
     JP_GOAL_OTHER_MAP,
     JP_GOAL_OUTSIDE,
     JP_GOAL_BLOCKED, /**< the robot cannot stand there */
-    JP_GOAL_DRIVEN   /**< was given to the navigator, whose state says what becomes of it */
+    JP_GOAL_DRIVEN,  /**< was given to the navigator, whose state says what becomes of it */
+    JP_GOAL_HOME     /**< the robot comes home instead, or found no way home and did not leave */
+};
+
+/** Values of HomeState in HomeStatus. */
+enum jp_home_told {
+    JP_HOME_TOLD_NONE, /**< there is no map, or no home */
+    JP_HOME_TOLD_NO_ROOM,
+    JP_HOME_TOLD_CLOSED,
+    JP_HOME_TOLD_SEEKING,
+    JP_HOME_TOLD_NO_WAY,
+    JP_HOME_TOLD_UNPOWERED,
+    JP_HOME_TOLD_SUFFICES,
+    JP_HOME_TOLD_TOO_LITTLE,
+    JP_HOME_TOLD_TURNING_BACK
 };
 
 /** What is told of the way to a goal. */
@@ -109,12 +143,14 @@ struct jp_navigation {
     struct jp_planner planner;
     struct jp_vehicle vehicle;
     int32_t unit_exponent;
-    bool is_prepared; /* for the map */
+    bool is_prepared;           /* for the map */
+    enum jp_status home_status; /* of the home of the map */
     struct jp_map_goal goal;
     enum jp_goal_answer answer;
     uint8_t course;     /* number of the last one */
     uint8_t leg_told;   /* legs after the one that was told last */
     uint32_t told_tick; /* of the last report */
+    bool told_home;     /* HomeStatus was in it, not HomeBattery */
     struct jp_can_frame frames[JP_NAVIGATION_FRAMES];
     uint8_t frames_left; /* to be sent by the tick; the background writes them while it is 0 */
 };

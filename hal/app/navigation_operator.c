@@ -38,6 +38,9 @@ const char *jp_navigation_failure_text(enum jp_navigation_failure failure)
         [JP_NAVIGATION_UNREACHABLE] = "no way leads to the goal: give another one",
         [JP_NAVIGATION_GAVE_UP] = "the navigator gave up: see Reason in NavigationStatus",
         [JP_NAVIGATION_STOPPED] = "the robot was told to stand, or heard no commands for 500 ms",
+        [JP_NAVIGATION_CAME_HOME] = "the robot has come home again: its battery would not have lasted, or the goal "
+                                    "cannot be reached; charge it, or give another goal",
+        [JP_NAVIGATION_NO_WAY_HOME] = "no way leads home: see HomeState in HomeStatus",
     };
 
     return texts[failure];
@@ -276,6 +279,22 @@ static void hear_asking(struct jp_navigation_operator *self)
     }
 }
 
+/** It comes home instead, or did not leave. */
+static void hear_coming_home(struct jp_navigation_operator *self)
+{
+    const enum jp_navigator_state state = (enum jp_navigator_state)self->navigator.state;
+
+    if (state == JP_NAVIGATOR_ARRIVED) {
+        fail(self, JP_NAVIGATION_CAME_HOME);
+    } else if (state == JP_NAVIGATOR_IDLE && self->navigator.reason == JP_NAVIGATOR_TOLD) {
+        fail(self, JP_NAVIGATION_STOPPED);
+    } else if (state == JP_NAVIGATOR_IDLE || state > JP_NAVIGATOR_ARRIVED) {
+        fail(self, JP_NAVIGATION_NO_WAY_HOME);
+    } else {
+        self->begun = true;
+    }
+}
+
 static void hear_driving(struct jp_navigation_operator *self)
 {
     const enum jp_navigator_state state = (enum jp_navigator_state)self->navigator.state;
@@ -284,6 +303,8 @@ static void hear_driving(struct jp_navigation_operator *self)
         fail(self, JP_NAVIGATION_RESTART);
     } else if (self->navigator.answer == JP_GOAL_BLOCKED) {
         fail(self, JP_NAVIGATION_GOAL);
+    } else if (self->navigator.answer == JP_GOAL_HOME) {
+        hear_coming_home(self);
     } else if (self->navigator.answer != JP_GOAL_DRIVEN) {
         /* It has not begun yet. */
     } else if (state == JP_NAVIGATOR_ARRIVED) {
@@ -355,6 +376,10 @@ void jp_navigation_operator_accept(struct jp_navigation_operator *self, const st
         accept_map_status(self, frame);
     } else if (frame->id == JP_CAN_NAVIGATION_STATUS_FRAME_ID && frame->length == JP_CAN_NAVIGATION_STATUS_LENGTH) {
         accept_navigation_status(self, frame);
+    } else if (frame->id == JP_CAN_HOME_STATUS_FRAME_ID && frame->length == JP_CAN_HOME_STATUS_LENGTH) {
+        (void)jp_can_home_status_unpack(&self->home, frame->data, frame->length);
+    } else if (frame->id == JP_CAN_HOME_BATTERY_FRAME_ID && frame->length == JP_CAN_HOME_BATTERY_LENGTH) {
+        (void)jp_can_home_battery_unpack(&self->battery, frame->data, frame->length);
     } else {
         /* It is of others. */
     }

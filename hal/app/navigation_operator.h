@@ -51,6 +51,8 @@ enum jp_navigation_failure {
     JP_NAVIGATION_UNREACHABLE, /**< proved: no way leads there */
     JP_NAVIGATION_GAVE_UP,     /**< navigator.reason */
     JP_NAVIGATION_STOPPED,     /**< somebody told it to stand, or it heard no commands */
+    JP_NAVIGATION_CAME_HOME, /**< what was left would not have brought it home from there, or the goal cannot be had */
+    JP_NAVIGATION_NO_WAY_HOME, /**< it did not leave, or could not come home */
     JP_NAVIGATION_FAILURES
 };
 
@@ -75,9 +77,11 @@ struct jp_change_queue {
 struct jp_navigation_operator {
     enum jp_navigation_phase phase;     /**< of the task */
     enum jp_navigation_failure failure; /**< of a phase JP_NAVIGATION_FAILED */
-    struct jp_can_ecu_status_t ecu;     /**< last heard, as the next two */
+    struct jp_can_ecu_status_t ecu;     /**< last heard, as the next four */
     struct jp_can_map_status_t map;
     struct jp_can_navigation_status_t navigator;
+    struct jp_can_home_status_t home;
+    struct jp_can_home_battery_t battery;
 
     struct jp_map_stream stream;
     uint32_t crc;

@@ -4510,12 +4510,12 @@ bool jp_can_navigation_status_reason_is_in_phys_range(double value)
 
 bool jp_can_navigation_status_answer_is_in_range(uint8_t value)
 {
-    return (value <= 6u);
+    return (value <= 7u);
 }
 
 bool jp_can_navigation_status_answer_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 6.0));
+    return ((value >= 0.0) && (value <= 7.0));
 }
 
 bool jp_can_navigation_status_has_course_is_in_range(uint8_t value)
@@ -5226,6 +5226,180 @@ bool jp_can_patrol_status_heading_deviation_is_in_range(uint16_t value)
 bool jp_can_patrol_status_heading_deviation_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 15.999755859375));
+}
+
+int jp_can_home_status_pack(
+    uint8_t *dst_p,
+    const struct jp_can_home_status_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->home_state, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u16(src_p->probability, 0u, 0xffu);
+    dst_p[2] |= pack_right_shift_u16(src_p->probability, 8u, 0xffu);
+    dst_p[3] |= pack_left_shift_u32(src_p->way, 0u, 0xffu);
+    dst_p[4] |= pack_right_shift_u32(src_p->way, 8u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(src_p->way, 16u, 0x0fu);
+    dst_p[5] |= pack_left_shift_u32(src_p->way_deviation, 4u, 0xf0u);
+    dst_p[6] |= pack_right_shift_u32(src_p->way_deviation, 4u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(src_p->way_deviation, 12u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_home_status_unpack(
+    struct jp_can_home_status_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->home_state = unpack_right_shift_u8(src_p[0], 0u, 0x0fu);
+    dst_p->probability = unpack_right_shift_u16(src_p[1], 0u, 0xffu);
+    dst_p->probability |= unpack_left_shift_u16(src_p[2], 8u, 0xffu);
+    dst_p->way = unpack_right_shift_u32(src_p[3], 0u, 0xffu);
+    dst_p->way |= unpack_left_shift_u32(src_p[4], 8u, 0xffu);
+    dst_p->way |= unpack_left_shift_u32(src_p[5], 16u, 0x0fu);
+    dst_p->way_deviation = unpack_right_shift_u32(src_p[5], 4u, 0xf0u);
+    dst_p->way_deviation |= unpack_left_shift_u32(src_p[6], 4u, 0xffu);
+    dst_p->way_deviation |= unpack_left_shift_u32(src_p[7], 12u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_home_status_init(struct jp_can_home_status_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_home_status_t));
+
+    return 0;
+}
+
+bool jp_can_home_status_home_state_is_in_range(uint8_t value)
+{
+    return (value <= 8u);
+}
+
+bool jp_can_home_status_home_state_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 8.0));
+}
+
+bool jp_can_home_status_probability_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_home_status_probability_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 0.9999847412109375));
+}
+
+bool jp_can_home_status_way_is_in_range(uint32_t value)
+{
+    return (value <= 1048575u);
+}
+
+bool jp_can_home_status_way_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 131071.875));
+}
+
+bool jp_can_home_status_way_deviation_is_in_range(uint32_t value)
+{
+    return (value <= 1048575u);
+}
+
+bool jp_can_home_status_way_deviation_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 131071.875));
+}
+
+int jp_can_home_battery_pack(
+    uint8_t *dst_p,
+    const struct jp_can_home_battery_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->left, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->left, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->left, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->left, 24u, 0xffu);
+    dst_p[4] |= pack_left_shift_u32(src_p->left_deviation, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(src_p->left_deviation, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(src_p->left_deviation, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(src_p->left_deviation, 24u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_home_battery_unpack(
+    struct jp_can_home_battery_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->left = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->left |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->left |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->left |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    dst_p->left_deviation = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    dst_p->left_deviation |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    dst_p->left_deviation |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    dst_p->left_deviation |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_home_battery_init(struct jp_can_home_battery_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_home_battery_t));
+
+    return 0;
+}
+
+bool jp_can_home_battery_left_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_home_battery_left_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 268435455.9375));
+}
+
+bool jp_can_home_battery_left_deviation_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_home_battery_left_deviation_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 268435455.9375));
 }
 
 int jp_can_sim_time_pack(

@@ -91,6 +91,8 @@ extern "C" {
 #define JP_CAN_LEARNED_DEVIATIONS_FRAME_ID (0x199u)
 #define JP_CAN_MAP_POSE_FRAME_ID (0x19au)
 #define JP_CAN_PATROL_STATUS_FRAME_ID (0x19bu)
+#define JP_CAN_HOME_STATUS_FRAME_ID (0x19cu)
+#define JP_CAN_HOME_BATTERY_FRAME_ID (0x19du)
 #define JP_CAN_SIM_TIME_FRAME_ID (0x7f0u)
 #define JP_CAN_SIM_DONE_FRAME_ID (0x7f1u)
 
@@ -141,6 +143,8 @@ extern "C" {
 #define JP_CAN_LEARNED_DEVIATIONS_LENGTH (8u)
 #define JP_CAN_MAP_POSE_LENGTH (8u)
 #define JP_CAN_PATROL_STATUS_LENGTH (8u)
+#define JP_CAN_HOME_STATUS_LENGTH (8u)
+#define JP_CAN_HOME_BATTERY_LENGTH (8u)
 #define JP_CAN_SIM_TIME_LENGTH (8u)
 #define JP_CAN_SIM_DONE_LENGTH (4u)
 
@@ -191,6 +195,8 @@ extern "C" {
 #define JP_CAN_LEARNED_DEVIATIONS_IS_EXTENDED (0)
 #define JP_CAN_MAP_POSE_IS_EXTENDED (0)
 #define JP_CAN_PATROL_STATUS_IS_EXTENDED (0)
+#define JP_CAN_HOME_STATUS_IS_EXTENDED (0)
+#define JP_CAN_HOME_BATTERY_IS_EXTENDED (0)
 #define JP_CAN_SIM_TIME_IS_EXTENDED (0)
 #define JP_CAN_SIM_DONE_IS_EXTENDED (0)
 
@@ -231,6 +237,8 @@ extern "C" {
 #define JP_CAN_LEARNED_DEVIATIONS_CYCLE_TIME_MS (1000u)
 #define JP_CAN_MAP_POSE_CYCLE_TIME_MS (100u)
 #define JP_CAN_PATROL_STATUS_CYCLE_TIME_MS (100u)
+#define JP_CAN_HOME_STATUS_CYCLE_TIME_MS (200u)
+#define JP_CAN_HOME_BATTERY_CYCLE_TIME_MS (200u)
 
 /* Signal choices. */
 #define JP_CAN_WHEEL_TARGET_WHEEL_FRONT_LEFT_CHOICE (0u)
@@ -355,6 +363,7 @@ extern "C" {
 #define JP_CAN_NAVIGATION_STATUS_ANSWER_OUTSIDE_CHOICE (4u)
 #define JP_CAN_NAVIGATION_STATUS_ANSWER_BLOCKED_CHOICE (5u)
 #define JP_CAN_NAVIGATION_STATUS_ANSWER_DRIVEN_CHOICE (6u)
+#define JP_CAN_NAVIGATION_STATUS_ANSWER_HOME_CHOICE (7u)
 
 #define JP_CAN_PATROL_STATUS_PATROL_STATE_HELD_CHOICE (0u)
 #define JP_CAN_PATROL_STATUS_PATROL_STATE_TURNING_CHOICE (1u)
@@ -387,6 +396,16 @@ extern "C" {
 #define JP_CAN_PATROL_STATUS_LOCALISER_REASON_SEARCHING_CHOICE (6u)
 #define JP_CAN_PATROL_STATUS_LOCALISER_REASON_AMBIGUOUS_CHOICE (7u)
 #define JP_CAN_PATROL_STATUS_LOCALISER_REASON_NOWHERE_CHOICE (8u)
+
+#define JP_CAN_HOME_STATUS_HOME_STATE_NO_HOME_CHOICE (0u)
+#define JP_CAN_HOME_STATUS_HOME_STATE_NO_ROOM_CHOICE (1u)
+#define JP_CAN_HOME_STATUS_HOME_STATE_CLOSED_CHOICE (2u)
+#define JP_CAN_HOME_STATUS_HOME_STATE_SEEKING_CHOICE (3u)
+#define JP_CAN_HOME_STATUS_HOME_STATE_NO_WAY_CHOICE (4u)
+#define JP_CAN_HOME_STATUS_HOME_STATE_UNPOWERED_CHOICE (5u)
+#define JP_CAN_HOME_STATUS_HOME_STATE_SUFFICES_CHOICE (6u)
+#define JP_CAN_HOME_STATUS_HOME_STATE_TOO_LITTLE_CHOICE (7u)
+#define JP_CAN_HOME_STATUS_HOME_STATE_TURNING_BACK_CHOICE (8u)
 
 /* Frame Names. */
 #define JP_CAN_MOTOR_COMMAND_NAME "MotorCommand"
@@ -435,6 +454,8 @@ extern "C" {
 #define JP_CAN_LEARNED_DEVIATIONS_NAME "LearnedDeviations"
 #define JP_CAN_MAP_POSE_NAME "MapPose"
 #define JP_CAN_PATROL_STATUS_NAME "PatrolStatus"
+#define JP_CAN_HOME_STATUS_NAME "HomeStatus"
+#define JP_CAN_HOME_BATTERY_NAME "HomeBattery"
 #define JP_CAN_SIM_TIME_NAME "SimTime"
 #define JP_CAN_SIM_DONE_NAME "SimDone"
 
@@ -644,6 +665,12 @@ extern "C" {
 #define JP_CAN_PATROL_STATUS_LOST_SCANS_NAME "LostScans"
 #define JP_CAN_PATROL_STATUS_POSITION_DEVIATION_NAME "PositionDeviation"
 #define JP_CAN_PATROL_STATUS_HEADING_DEVIATION_NAME "HeadingDeviation"
+#define JP_CAN_HOME_STATUS_HOME_STATE_NAME "HomeState"
+#define JP_CAN_HOME_STATUS_PROBABILITY_NAME "Probability"
+#define JP_CAN_HOME_STATUS_WAY_NAME "Way"
+#define JP_CAN_HOME_STATUS_WAY_DEVIATION_NAME "WayDeviation"
+#define JP_CAN_HOME_BATTERY_LEFT_NAME "Left"
+#define JP_CAN_HOME_BATTERY_LEFT_DEVIATION_NAME "LeftDeviation"
 #define JP_CAN_SIM_TIME_TICK_NAME "Tick"
 #define JP_CAN_SIM_TIME_POWER_NAME "Power"
 #define JP_CAN_SIM_TIME_BUS_OFF_NAME "BusOff"
@@ -2497,9 +2524,9 @@ struct jp_can_navigation_status_t {
     uint8_t reason;
 
     /**
-     * What became of it.
+     * What became of it. Home: the robot comes home instead, or has not left: see HomeStatus.
      *
-     * Range: 0..6 (0..6 -)
+     * Range: 0..7 (0..7 -)
      * Scale: 1
      * Offset: 0
      */
@@ -2812,6 +2839,76 @@ struct jp_can_patrol_status_t {
      * Offset: 0
      */
     uint16_t heading_deviation;
+};
+
+/**
+ * Signals in message HomeStatus.
+ *
+ * Whether what is left in the battery brings the robot home, to where it was switched on, along the way that would be planned over the map. Sent with HomeBattery where the ECU has a navigator.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_home_status_t {
+    /**
+     * NoHome: there is no map, or the ECU holds no home. NoRoom: the map is larger than the ECU's memory for the way home. Closed: where it was switched on it cannot stand. Seeking: no way home is known yet. NoWay: none leads there. Unpowered: what is left is not known. Suffices or TooLittle: the probability is known. TurningBack: it drives home.
+     *
+     * Range: 0..8 (0..8 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t home_state;
+
+    /**
+     * That what is left suffices; 0 where it is not known.
+     *
+     * Range: 0..65535 (0..0.99998 -)
+     * Scale: 1.52587890625e-05
+     * Offset: 0
+     */
+    uint16_t probability;
+
+    /**
+     * What the way home takes, as the ECU's energy model counts; stops at its maximum.
+     *
+     * Range: 0..1048575 (0..131071.875 J)
+     * Scale: 0.125
+     * Offset: 0
+     */
+    uint32_t way;
+
+    /**
+     * Standard deviation of Way.
+     *
+     * Range: 0..1048575 (0..131071.875 J)
+     * Scale: 0.125
+     * Offset: 0
+     */
+    uint32_t way_deviation;
+};
+
+/**
+ * Signals in message HomeBattery.
+ *
+ * What is left in the battery above its reserve, as the ECU knows its cells.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_home_battery_t {
+    /**
+     * Range: 0..4294967295 (0..268435455.9375 J)
+     * Scale: 0.0625
+     * Offset: 0
+     */
+    uint32_t left;
+
+    /**
+     * Standard deviation of Left.
+     *
+     * Range: 0..4294967295 (0..268435455.9375 J)
+     * Scale: 0.0625
+     * Offset: 0
+     */
+    uint32_t left_deviation;
 };
 
 /**
@@ -9093,6 +9190,212 @@ bool jp_can_patrol_status_heading_deviation_is_in_range(uint16_t value);
  * @return true if in range, false otherwise.
  */
 bool jp_can_patrol_status_heading_deviation_is_in_phys_range(double value);
+
+/**
+ * Pack message HomeStatus.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_home_status_pack(
+    uint8_t *dst_p,
+    const struct jp_can_home_status_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message HomeStatus.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_home_status_unpack(
+    struct jp_can_home_status_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from HomeStatus.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_home_status_init(struct jp_can_home_status_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_home_status_home_state_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_home_status_home_state_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_home_status_probability_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_home_status_probability_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_home_status_way_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_home_status_way_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_home_status_way_deviation_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_home_status_way_deviation_is_in_phys_range(double value);
+
+/**
+ * Pack message HomeBattery.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_home_battery_pack(
+    uint8_t *dst_p,
+    const struct jp_can_home_battery_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message HomeBattery.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_home_battery_unpack(
+    struct jp_can_home_battery_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from HomeBattery.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_home_battery_init(struct jp_can_home_battery_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_home_battery_left_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_home_battery_left_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_home_battery_left_deviation_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_home_battery_left_deviation_is_in_phys_range(double value);
 
 /**
  * Pack message SimTime.

@@ -87,6 +87,7 @@ struct jp_battery_config {
     jp_q31 reserve;           /**< share of the capacity that is not to be used; 0…0.5 */
     jp_q31 charge_deviation;  /**< standard deviation of a charge that is given, share of the capacity; 0…0.5 */
     jp_q16 load;              /**< expected mean current of what is forecast, A; 0…1 024 */
+    jp_q16 voltage_designed;  /**< bus voltage for which the robot was designed, V; up to 1 000; 0: it is not told */
     uint32_t update_rate;     /**< jp_battery_update() a second; 1…1 000 */
     const struct jp_battery_cells
         *cells;            /**< null: the charge is counted and never corrected; it asks for neither of both */
@@ -225,8 +226,8 @@ jp_q31 jp_battery_level_deviation(const struct jp_battery *battery, const struct
 jp_energy jp_battery_energy_left(const struct jp_battery *battery, const struct jp_battery_config *config);
 
 /** The same with its standard deviation, in 2^unit_exponent J, as jp_forecast_reserve() takes it. JP_ERR_OVERFLOW: one
- *  of them is above 32 767 of these, and saturated. JP_ERR_ARGUMENT: a pointer is null. A square root and five 64-bit
- * divisions. */
+ *  of them is above 32 767 of these, and saturated; where it is the energy, the deviation is the same share of it.
+ * JP_ERR_ARGUMENT: a pointer is null. A square root and five 64-bit divisions. */
 enum jp_status jp_battery_forecast_left(const struct jp_battery *battery, const struct jp_battery_config *config,
                                         struct jp_forecast *left);
 
@@ -252,6 +253,11 @@ enum jp_status jp_battery_voltage_under(const struct jp_battery *battery, const 
 /** Greatest power, W, that leaves the bus this voltage, at least 0, saturated: V (E − V)/R, or E²/(4 R) when the
  * voltage is below E/2. Five 64-bit divisions. */
 jp_q16 jp_battery_power_at(const struct jp_battery *battery, const struct jp_battery_config *config, jp_q16 voltage);
+
+/** What the bus has less than the robot was designed for while a power flows, W, at least 0, as pilots take it:
+ *  voltage_designed less jp_battery_voltage_under(), or less E/2 where the battery cannot give that much; 0 where it is
+ *  not told. Work: that of jp_battery_voltage_under(). */
+jp_q16 jp_battery_lacks(const struct jp_battery *battery, const struct jp_battery_config *config, jp_q16 power);
 
 #ifdef __cplusplus
 }

@@ -17,8 +17,11 @@
  *
  * by jp_forecast_suffices(). Of each drive that arrives home learns by which factor it took more than the forecast of
  * its first course: planning, waits at stands, ways round what the map did not show; and how far drives differ in that.
- * The way home is so much dearer, and so much less sure (jp_home_factor). The robot goes on as long as that is at least
- * `confidence` where it is, however far the goal may be, so that what it learns on its way counts. A change of the map
+ * Drives out lead over ground that the robot has not seen, those home along what it drove: each kind has a factor of
+ * its own (jp_home_learned). The way home is so much dearer, and so much less sure. What disturbs a drive adds up along
+ * it, one thing independent of the other, so that the variance grows with the way, and its share of the way falls. The
+ * robot goes on as long as that is at least `confidence` where it is, however far the goal may be, so that what it
+ * learns on its way counts. A change of the map
  * that blocks the way home makes the field grow anew; until it has, the way home is the last one and what was spent
  * since.
  *
@@ -61,7 +64,7 @@ enum jp_home_state {
     JP_HOME_AT_GOAL,   /**< has arrived there */
     JP_HOME_RETURNING, /**< on the way home */
     JP_HOME_HOME,      /**< has arrived there */
-    JP_HOME_FAILED     /**< the goal is blocked, the motors are off, or no way leads home: see the navigator */
+    JP_HOME_FAILED     /**< the goal is blocked, the motors are off, or no way leads home: see the status */
 };
 
 /** At this moment. */
@@ -74,12 +77,19 @@ struct jp_home_answer {
 /** Drives of one question at most. */
 #define JP_HOME_DRIVES_MAX 16U
 
-/** What drives take against their forecasts. Worth storing: a new robot has 1.05 ± 0.1, and drives that differ by as
- * much. */
+/** What drives of a kind take against their forecasts, beginning and end of a drive included, which are as ten steps.
+ */
 struct jp_home_factor {
     jp_q16 mean;      /**< ½…2 */
     jp_q16 deviation; /**< of what is known of the mean; above 0, up to 0.1 */
-    jp_q16 noise;     /**< deviation of a drive; 1/64…1 */
+    jp_q16 noise; /**< deviation of a drive that takes as much as ten steps; of one that takes n² times as much it is
+                     an n-th of that; 1/64…1 */
+};
+
+/** Worth storing. */
+struct jp_home_learned {
+    struct jp_home_factor out;  /**< of drives to goals */
+    struct jp_home_factor back; /**< of drives home */
 };
 
 /** Private: from its begin to the goal, or home. */
@@ -120,9 +130,12 @@ struct jp_home_internal {
 struct jp_home {
     struct jp_home_config config;
     enum jp_home_state state;
-    bool has_turned_back;         /**< since it was told where to go */
-    uint32_t ways;                /**< home that were surveyed, saturating */
-    struct jp_home_factor factor; /**< the caller may write what was stored after jp_home_init() */
+    /** Why it has failed. JP_ERR_STATE: the motors are off. JP_ERR_NO_PLAN: from where it is no way leads home. JP_OK:
+     * see the navigator. Others: why the goal, or home, is refused, as jp_navigator_go(). */
+    enum jp_status status;
+    bool has_turned_back;           /**< since it was told where to go */
+    uint32_t ways;                  /**< home that were surveyed, saturating */
+    struct jp_home_learned learned; /**< the caller may write what was stored after jp_home_init() */
     struct jp_home_internal internal;
 };
 
@@ -138,9 +151,12 @@ enum jp_status jp_home_init(struct jp_home *home, const struct jp_home_config *c
 /** Takes other costs for the field, as a tariff makes them of the same lattice; the field grows anew. */
 void jp_home_set_lattice(struct jp_home *home, const struct jp_lattice *lattice);
 
-/** Goes to a goal once the way home is known. Failures as jp_navigator_go(), which may also come later:
- *  JP_HOME_FAILED. */
+/** Goes to a goal once the way home is known. JP_ERR_STATE: the motors are off. JP_ERR_ARGUMENT: a pointer is null.
+ * Other failures as jp_navigator_go() come later: JP_HOME_FAILED. */
 enum jp_status jp_home_go(struct jp_home *home, const struct jp_goal *goal);
+
+/** Brakes to a stand and forgets the goal. */
+void jp_home_stop(struct jp_home *home);
 
 /** Goes home, from wherever it is. Failures as jp_navigator_go(). */
 enum jp_status jp_home_return(struct jp_home *home);
@@ -154,9 +170,13 @@ enum jp_home_state jp_home_work(struct jp_home *home);
  *  jp_forecast_suffices(). */
 enum jp_status jp_home_ask(const struct jp_home *home, struct jp_home_answer *answer);
 
+/** From where the robot is no way leads home, as far as is known. */
+bool jp_home_is_cut_off(const struct jp_home *home);
+
 /** What a way of this cost takes, of those of the same lattice: as the last one that was surveyed, which before the
- * robot leaves is the one home from its goal, with what home has learned of drives. JP_ERR_ARGUMENT: a pointer is
- * null. JP_ERR_NO_PLAN: none was surveyed yet. Work: two divisions and two square roots. */
+ * robot leaves is the one home from its goal, with what home has learned of drives, half of which lead out; a single
+ * one leads home. JP_ERR_ARGUMENT: a pointer is null, or there are more than JP_HOME_DRIVES_MAX drives or none.
+ * JP_ERR_NO_PLAN: none was surveyed yet. Work: seven divisions and five square roots. */
 enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, unsigned drives, struct jp_forecast *way);
 
 /** The largest cost of a way for which what is left suffices at a confidence, ½…0.9999; 0: none does. Failures as
@@ -166,15 +186,17 @@ enum jp_status jp_home_farthest(const struct jp_home *home, const struct jp_fore
                                 unsigned drives, jp_cost *cost);
 
 /** A new robot's. */
-extern const struct jp_home_factor jp_home_factor_new;
+extern const struct jp_home_learned jp_home_learned_new;
 
-/** Learns from a drive that took so much, J above 0, where so much was forecast. A forecast that was not sure teaches
- *  little. JP_ERR_ARGUMENT: a pointer is null, an energy not above 0, or a deviation negative. Work: six divisions and
- *  two square roots. */
-enum jp_status jp_home_factor_learn(struct jp_home_factor *factor, jp_q16 taken, const struct jp_forecast *forecast);
+/** Learns from a drive that took so much, J above 0, where so much was forecast, and ten steps take so much. A forecast
+ *  that was not sure teaches little. JP_ERR_ARGUMENT: a pointer is null, an energy not above 0, or a deviation
+ *  negative. Work: seven divisions and two square roots. */
+enum jp_status jp_home_factor_learn(struct jp_home_factor *factor, jp_q16 taken, const struct jp_forecast *forecast,
+                                    jp_q16 steps);
 
-/** What a way takes by that factor. Work: two square roots. */
-struct jp_forecast jp_home_factor_way(const struct jp_home_factor *factor, const struct jp_forecast *forecast);
+/** What a drive takes by that factor. Work: two square roots. */
+struct jp_forecast jp_home_factor_way(const struct jp_home_factor *factor, const struct jp_forecast *forecast,
+                                      jp_q16 steps);
 
 #ifdef __cplusplus
 }

@@ -10,6 +10,7 @@ extern "C" {
 #endif
 
 struct jp_battery_cells;
+struct jp_battery_config;
 struct jp_energy_model;
 struct jp_factor_learning;
 struct jp_four_wheel_energy_model;
@@ -34,6 +35,10 @@ extern const struct jp_battery_cells jp_battery_cells_burger;
 extern const struct jp_battery_cells jp_battery_cells_courier24;
 extern const struct jp_battery_cells jp_battery_cells_patrol;
 extern const struct jp_battery_cells jp_battery_cells_zhang2018;
+extern const struct jp_battery_config jp_battery_config_burger;
+extern const struct jp_battery_config jp_battery_config_courier24;
+extern const struct jp_battery_config jp_battery_config_patrol;
+extern const struct jp_battery_config jp_battery_config_zhang2018;
 extern const struct jp_energy_model jp_energy_model_courier24;
 extern const struct jp_energy_model jp_energy_model_courier24_battery;
 extern const struct jp_energy_model jp_energy_model_gao2018;

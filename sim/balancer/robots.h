@@ -8,7 +8,7 @@
 #include <joulepath/lattice.h>
 #include <joulepath/learner.h>
 
-struct jp_battery_cells;
+struct jp_battery_config;
 struct jp_navigator_body;
 struct jp_robot_config;
 
@@ -23,7 +23,7 @@ struct robot_entry {
     const struct jp_learning *learning_battery;
     const struct jp_lattice *lattice; /**< these three, likewise */
     const struct jp_navigator_body *navigation;
-    const struct jp_battery_cells *cells;
+    const struct jp_battery_config *battery;
 };
 
 /** `robot_count` entries, then one with null pointers. */

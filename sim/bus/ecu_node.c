@@ -3,6 +3,23 @@
 #include "sim/base/error.h"
 #include "sim/files/parameters_file.h"
 
+/** From which on what is left is told to suffice. */
+#define CONFIDENCE (JP_Q31_MAX / 1000 * 999)
+
+/** What the robot's firmware knows of its cells; NULL: nothing. */
+static enum jp_status use_battery(struct ecu_node *node, struct jp_ecu *ecu, const struct jp_battery_config *config,
+                                  int32_t unit_exponent, const char **field)
+{
+    enum jp_status status = JP_OK;
+
+    node->battery = (struct jp_ecu_battery){.has_started = false};
+    if (config != NULL) {
+        status = jp_ecu_battery_init(&node->battery, config, unit_exponent, field);
+        jp_ecu_use_battery(ecu, &node->battery);
+    }
+    return status;
+}
+
 /* A balancer. */
 
 static enum jp_status learn(struct ecu_node *node, const char **field)
@@ -28,7 +45,12 @@ static enum jp_status navigate(struct ecu_node *node, struct jp_ecu *ecu, const 
                                const struct jp_navigator_body *body, const struct jp_vehicle *vehicle,
                                int32_t unit_exponent, const char **field)
 {
-    const struct jp_navigation_config config = jp_navigation_config_of(lattice, body, &node->ground, &node->block);
+    struct jp_navigation_config config = jp_navigation_config_of(lattice, body, &node->ground, &node->block);
+
+    node->home = jp_navigation_home_of(&node->home_memory, &node->battery,
+                                       node->confidence != 0 ? node->confidence : CONFIDENCE);
+    node->home.turns_back = node->confidence != 0;
+    config.home = &node->home;
     const enum jp_status status = jp_navigation_init(&node->navigation, &config, vehicle, unit_exponent, field);
 
     jp_ecu_navigate(ecu, &node->navigation);
@@ -43,6 +65,14 @@ static enum jp_status navigate_balancer(struct ecu_node *node, struct jp_ecu *ec
 
     if (entry->navigation == NULL || entry->lattice == NULL) {
         return JP_OK;
+    }
+    /* What its motors alone take says nothing of its battery. */
+    const enum jp_status status =
+        use_battery(node, ecu, balancer->model == entry->energy_battery ? entry->battery : NULL,
+                    balancer->model->unit_exponent, field);
+
+    if (status != JP_OK) {
+        return status;
     }
     (void)jp_balancer_vehicle_init(&balancer->vehicle, &balancer->robot.pilot, &vehicle);
     return navigate(node, ecu, entry->lattice, entry->navigation, &vehicle, balancer->model->unit_exponent, field);
@@ -76,6 +106,11 @@ static enum jp_status navigate_skid(struct ecu_node *node, struct jp_ecu *ecu, c
 
     if (entry->navigation == NULL) {
         return JP_OK;
+    }
+    const enum jp_status status = use_battery(node, ecu, entry->battery, entry->energy->unit_exponent, field);
+
+    if (status != JP_OK) {
+        return status;
     }
     (void)jp_skid_vehicle_init(&skid->vehicle, &skid->robot.pilot, &vehicle);
     return navigate(node, ecu, entry->navigation_lattice, entry->navigation, &vehicle, entry->energy->unit_exponent,
@@ -155,6 +190,7 @@ static bool start(struct ecu_node *node, const struct jp_lockstep_config *config
 
     node->stored = JP_STORED_NOTHING;
     node->path = parameters;
+    node->confidence = 0;
     node->ran = false;
     jp_parameters_default(&node->parameters);
     if (parameters != NULL && !open_parameters(node)) {
@@ -238,6 +274,13 @@ static bool keep(struct ecu_node *node)
     node->parameters = learned;
     node->stored = JP_STORED_TAKEN;
     return node->path == NULL || parameters_file_save(node->path, node->identity, &learned);
+}
+
+void ecu_node_turn_back(struct ecu_node *node, jp_q31 confidence)
+{
+    node->confidence = confidence;
+    node->home.confidence = confidence;
+    node->home.turns_back = true;
 }
 
 bool ecu_node_watch(struct ecu_node *node)

@@ -52,6 +52,10 @@ struct ecu_node {
     struct jp_navigation navigation;   /**< where the robot has tables for it */
     struct jp_navigation_ground ground;
     struct jp_navigation_block block;
+    struct jp_ecu_battery battery;  /**< where the robot has tables for it, and counts what leaves it */
+    struct jp_navigation_home home; /**< of the navigator */
+    jp_q31 confidence;              /**< with which it turns back by itself; 0: never */
+    struct jp_navigation_home_memory home_memory;
     bool ran; /**< the motors did at the last look */
 };
 
@@ -71,6 +75,10 @@ bool ecu_node_init_skid(struct ecu_node *node, const struct skid_robot_entry *en
 /** The same of a robot with four steered wheels. */
 bool ecu_node_init_patrol(struct ecu_node *node, const struct patrol_robot_entry *entry, const struct jp_can_port *bus,
                           struct jp_retained *retained, const char *parameters);
+
+/** From now on it turns back by itself when what is left in its battery brings it home less probably, ½…0.9999. Before
+ *  the first tick. */
+void ecu_node_turn_back(struct ecu_node *node, jp_q31 confidence);
 
 /** After every tick: when the motors were switched off and there was no fault, what was learned is kept. False after
  * one line on stderr. */

@@ -32,6 +32,8 @@ void ecu_view_accept(struct ecu_view *view, const struct jp_can_frame *frame)
         TAKE(navigation_status, NAVIGATION_STATUS, navigation, (void)0);
         TAKE(navigation_progress, NAVIGATION_PROGRESS, left, view->left_told = true);
         TAKE(course_leg, COURSE_LEG, leg, view->leg_told = true);
+        TAKE(home_status, HOME_STATUS, home, (void)0);
+        TAKE(home_battery, HOME_BATTERY, home_battery, (void)0);
         TAKE(map_pose, MAP_POSE, map_pose, (void)0);
         TAKE(patrol_status, PATROL_STATUS, patrol, (void)0);
     default:

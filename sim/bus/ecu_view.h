@@ -28,6 +28,8 @@ struct ecu_view {
     struct jp_can_navigation_status_t navigation;
     struct jp_can_navigation_progress_t left;
     struct jp_can_course_leg_t leg;
+    struct jp_can_home_status_t home;
+    struct jp_can_home_battery_t home_battery;
     struct jp_can_map_pose_t map_pose;
     struct jp_can_patrol_status_t patrol;
     bool heard;           /**< a status came */

@@ -317,6 +317,12 @@ static void publish_navigation(struct lcm_telemetry *telemetry, uint64_t time_us
                                         .duration = value(left->duration, 4),
                                         .energy = value((int64_t)left->energy, 3),
                                         .deviation = value(left->deviation, 3),
+                                        .home_state = (int8_t)telemetry->view.home.home_state,
+                                        .home_probability = value(telemetry->view.home.probability, 16),
+                                        .home_energy = value(telemetry->view.home.way, 3),
+                                        .home_deviation = value(telemetry->view.home.way_deviation, 3),
+                                        .battery_energy = value(telemetry->view.home_battery.left, 4),
+                                        .battery_deviation = value(telemetry->view.home_battery.left_deviation, 4),
                                         .leg_count = (int32_t)count,
                                         .legs = legs};
 

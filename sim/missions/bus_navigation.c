@@ -15,10 +15,12 @@
 #define MAP_ID 1
 
 /* Of the signals. */
-#define JOULE  4294967296.0
-#define Q3_ONE 8.0
-#define Q4_ONE 16.0
-#define Q6_ONE 64.0
+#define JOULE     4294967296.0
+#define Q3_ONE    8.0
+#define Q4_ONE    16.0
+#define Q6_ONE    64.0
+#define Q16_ONE   65536.0
+#define POSE_TURN 4096.0
 
 struct run {
     struct bus_navigation *navigation;
@@ -46,6 +48,19 @@ static struct clearance_pose pose_of(const struct run *run)
     }
     plant_node_look(node, &truth);
     return (struct clearance_pose){truth.x, truth.y, truth.heading};
+}
+
+/** Where the ECU takes the robot to be on the map. */
+static struct jp_place believed_of(const struct run *run)
+{
+    const struct jp_can_pose_t *told = &run->navigation->drive.view.pose;
+    const double c = cos(run->start.heading);
+    const double s = sin(run->start.heading);
+    const double x = told->x / Q16_ONE;
+    const double y = told->y / Q16_ONE;
+
+    return navigation_place(&(struct clearance_pose){run->start.x + x * c - y * s, run->start.y + x * s + y * c,
+                                                     run->start.heading + told->heading / POSE_TURN * 2 * M_PI});
 }
 
 /* What the ECU tells. */
@@ -99,6 +114,14 @@ static double joules_of(const struct run *run)
     return (double)(run->navigation->drive.view.spent.energy - run->begin_energy) / JOULE;
 }
 
+/** That it comes home; NaN: the ECU does not know. */
+static double probability_of(const struct run *run)
+{
+    const struct jp_can_home_status_t *home = &run->navigation->drive.view.home;
+
+    return home->probability > 0 ? home->probability / Q16_ONE : NAN;
+}
+
 static void show(struct run *run)
 {
     const struct ecu_view *view = &run->navigation->drive.view;
@@ -112,6 +135,7 @@ static void show(struct run *run)
                                            .replans = view->navigation.replans,
                                            .left_m = view->left.distance / Q6_ONE,
                                            .left_s = view->left.duration / Q4_ONE,
+                                           .probability = probability_of(run),
                                            .new_course = is_new ? &course : NULL};
 
     if (run->task->watch != NULL) {
@@ -133,7 +157,9 @@ static void look(struct run *run)
     struct navigation_result *result = &run->navigation->result;
     const struct clearance_pose pose = pose_of(run);
 
-    navigation_look(run->task, &pose, result, tell, run);
+    const struct jp_place believed = believed_of(run);
+
+    navigation_look(run->task, &pose, &believed, result, tell, run);
     navigation_measure(run->task, &run->body, &pose, result);
     result->length_m += hypot(pose.x - run->before.x, pose.y - run->before.y);
     run->before = pose;
@@ -197,7 +223,7 @@ static bool conclude(struct run *run)
     const struct clearance_pose pose = pose_of(run);
 
     if (commander->phase == JP_NAVIGATION_FAILED && commander->failure != JP_NAVIGATION_UNREACHABLE &&
-        commander->failure != JP_NAVIGATION_GAVE_UP) {
+        commander->failure != JP_NAVIGATION_GAVE_UP && commander->failure != JP_NAVIGATION_CAME_HOME) {
         error_line("%s", jp_navigation_failure_text(commander->failure));
         return false;
     }
@@ -206,6 +232,7 @@ static bool conclude(struct run *run)
     result->status = (enum jp_status)commander->navigator.vehicle_status;
     result->replans = commander->navigator.replans;
     result->joules = joules_of(run);
+    result->has_turned_back = commander->failure == JP_NAVIGATION_CAME_HOME;
     result->is_late = !is_over(run);
     result->goal_error_m = navigation_goal_error(run->task, &pose);
     show(run);
@@ -254,6 +281,15 @@ static uint8_t *encode(const struct run *run, struct jp_map_stream *stream)
     return bytes;
 }
 
+static void feed(struct plant_node *plant, const struct bus_navigation_cells *cells)
+{
+    if (plant->kind == PLANT_BALANCER) {
+        world_feed(&plant->world, &cells->cell, &cells->wiring, &cells->condition);
+    } else {
+        skid_plant_feed(&plant->skid.plant, &cells->cell, &cells->wiring, &cells->condition);
+    }
+}
+
 static void switch_on(struct run *run, const struct bus_navigation_robot *robot, const struct jp_can_link *link)
 {
     const struct jp_terrain *world = run->task->world;
@@ -270,6 +306,9 @@ static void switch_on(struct run *run, const struct bus_navigation_robot *robot,
         run->body = navigation_body(robot->balancer);
     }
     run->rate_hz = plant_node_rate(&bus->plant);
+    if (robot->cells != NULL) {
+        feed(&bus->plant, robot->cells);
+    }
 }
 
 bool bus_navigation_run(struct bus_navigation *navigation, const struct navigation_task *task,

@@ -15,10 +15,18 @@ struct bus_navigation {
     size_t stream_bytes;  /**< of it */
 };
 
+/** Cells that feed it. */
+struct bus_navigation_cells {
+    struct cell_constants cell;
+    struct cell_wiring wiring;
+    struct cell_condition condition;
+};
+
 /** The body of one of these kinds; the other is NULL. */
 struct bus_navigation_robot {
     const struct robot_file *balancer;
     const struct skid_steer_model *skid;
+    const struct bus_navigation_cells *cells; /**< NULL: the constant supply of its file */
 };
 
 /** Drives a task in lockstep; its map is that of the robot, and its memory what the robot has. `link` stays open,

@@ -319,7 +319,11 @@ static void tick(struct navigation *navigation, uint64_t tick)
     if (tick % (rate / SENSOR_RATE) == 0) {
         const struct clearance_pose pose = pose_of(navigation);
 
-        navigation_look(navigation->task, &pose, navigation->result, tell, navigation);
+        const struct jp_place believed = jp_navigator_place(&navigation->navigator);
+
+        navigation_look(navigation->task, &pose, &believed, navigation->result, tell, navigation);
+        navigation->result->drift_m =
+            fmax(navigation->result->drift_m, hypot(pose.x - believed.point.x / Q16, pose.y - believed.point.y / Q16));
         navigation_measure(navigation->task, &navigation->robot->body, &pose, navigation->result);
         navigation->result->length_m += hypot(pose.x - navigation->before.x, pose.y - navigation->before.y);
         navigation->before = pose;
@@ -355,9 +359,10 @@ static void conclude(struct navigation *navigation)
     result->joules = joules_of(navigation) - navigation->joules_before;
     result->given_joules = spent_of(navigation);
     result->home = navigation->home.state;
+    result->home_status = navigation->home.status;
     result->has_turned_back = navigation->home.has_turned_back;
-    if (navigation->task->battery != NULL && navigation->task->battery->factor != NULL) {
-        *navigation->task->battery->factor = navigation->home.factor;
+    if (navigation->task->battery != NULL && navigation->task->battery->learned != NULL) {
+        *navigation->task->battery->learned = navigation->home.learned;
     }
     if (has_pack(navigation)) {
         result->charge = navigation_pack_charge(navigation->task->battery->pack);
@@ -371,6 +376,19 @@ static void conclude(struct navigation *navigation)
     show(navigation);
 }
 
+/** Why it does not go. */
+static void explain(const struct navigation *navigation, enum jp_status status)
+{
+    if (status == JP_ERR_STATE && has_pack(navigation)) {
+        error_line("--charge %g: %s has switched its motors off: its bus falls below the %.2f V that it needs; charge "
+                   "the cells",
+                   100 * navigation->task->battery->pack->charge, navigation->robot->name,
+                   navigation->robot->supply.voltage_min_v);
+    } else {
+        error_line("--goal: the robot cannot stand there; give another place");
+    }
+}
+
 static bool drive(struct navigation *navigation)
 {
     const struct navigation_task *task = navigation->task;
@@ -379,7 +397,7 @@ static bool drive(struct navigation *navigation)
                                                         : jp_navigator_go(&navigation->navigator, &task->goal);
 
     if (status != JP_OK) {
-        error_line("--goal: the robot cannot stand there; give another place");
+        explain(navigation, status);
         return false;
     }
     for (uint64_t i = 0; !is_over(navigation) && navigation->result->seconds < task->patience; i++) {
@@ -429,8 +447,8 @@ static bool prepare_home(struct navigation *navigation)
         error_line("--home: %s is refused; begin where the robot can stand", field != NULL ? field : "the place");
         return false;
     }
-    if (task->battery->factor != NULL) {
-        navigation->home.factor = *task->battery->factor;
+    if (task->battery->learned != NULL) {
+        navigation->home.learned = *task->battery->learned;
     }
     return true;
 }

@@ -1,5 +1,7 @@
 #include "sim/missions/navigation_balancer.h"
 
+#include <math.h>
+
 #include "sim/base/error.h"
 #include "sim/missions/navigation_sight.h"
 
@@ -54,6 +56,20 @@ static jp_q16 bus_voltage(const void *self)
     return frame != NULL ? frame->bus_voltage : 0;
 }
 
+static double cruise_power(const struct robot_file *file, const struct jp_energy_model *model)
+{
+    const double speed = file->limits.speed_m_s;
+
+    return ldexp(model->b[0] * speed * speed + model->electronics_power, model->unit_exponent - 16);
+}
+
+static void lack(void *self, jp_q16 lacking)
+{
+    struct navigation_balancer *balancer = self;
+
+    (void)jp_pilot_lack_voltage(&balancer->pilot, lacking);
+}
+
 bool navigation_balancer_init(struct navigation_balancer *balancer, const struct robot_entry *entry,
                               const struct robot_file *file, const struct clearance_pose *start, uint64_t seed,
                               enum jp_pilot_meter meter, struct navigation_robot *robot)
@@ -76,13 +92,15 @@ bool navigation_balancer_init(struct navigation_balancer *balancer, const struct
                                        .body = navigation_body(file),
                                        .margin_m = file->navigation.margin_m / 2,
                                        .unit_exponent = config.model->unit_exponent,
-                                       .supply = {.cells = entry->cells,
+                                       .supply = {.battery = entry->battery,
                                                   .standing_w = file->electronics.power_w,
                                                   .voltage_min_v = file->control.voltage_min_v,
                                                   .feed = feed,
                                                   .pack = &balancer->rig.world.pack,
                                                   .metered = metered,
-                                                  .bus_voltage = bus_voltage},
+                                                  .bus_voltage = bus_voltage,
+                                                  .cruise_w = cruise_power(file, config.model),
+                                                  .lack = lack},
                                        .self = balancer,
                                        .tick = tick,
                                        .pose = pose,

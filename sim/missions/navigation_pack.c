@@ -9,13 +9,6 @@
 #define Q16   65536.0
 #define Q31   2147483648.0
 #define JOULE 4294967296.0
-#define HOUR  3600.0
-
-#define UPDATE_RATE 10U
-
-/** Deviation of the charge that the robot takes its battery for at first, and what it shall not use of it. */
-#define CHARGE_DEVIATION 0.05
-#define RESERVE          0.1
 
 /** That it looks at its cells before it is told where to go, s. */
 #define STAND_SECONDS 10.0
@@ -29,45 +22,14 @@ static jp_q16 q16(double value)
     return (jp_q16)lround(value * Q16);
 }
 
-static jp_q31 q31(double value)
-{
-    return (jp_q31)lround(value * Q31);
-}
-
-/** Of a cell, by the trapezoids of its curve, V. */
-static double mean_voltage(const struct cell_constants *cell)
-{
-    double sum = 0;
-
-    for (int i = 1; i < CELL_POINTS; i++) {
-        sum += (cell->charge[i] - cell->charge[i - 1]) * (cell->open_circuit_v[i] + cell->open_circuit_v[i - 1]) / 2;
-    }
-    return sum;
-}
-
-/** The bus is believed between half of the empty cells' voltage, at which they give most power, and what the full ones
- * have and that half. */
+/** As the robot's firmware has it. */
 static struct jp_battery_config config_of(const struct navigation_pack *pack)
 {
-    const struct cell_constants *cell = &pack->cell;
-    const int series = pack->wiring.series;
-    const double empty = series * cell->open_circuit_v[0];
-    const double full = series * cell->open_circuit_v[CELL_POINTS - 1];
+    struct jp_battery_config config = *pack->robot->supply.battery;
 
-    return (struct jp_battery_config){.capacity = (uint32_t)lround(cell->capacity_ah * HOUR * pack->wiring.parallel),
-                                      .voltage_empty = q16(empty),
-                                      .voltage_nominal = q16(series * mean_voltage(cell)),
-                                      .voltage_full = q16(full),
-                                      .voltage_min = q16(empty / 2),
-                                      .voltage_max = q16(full + empty / 2),
-                                      .voltage_jump = q16(empty / 2),
-                                      .charge_efficiency = JP_Q16_ONE,
-                                      .reserve = q31(RESERVE),
-                                      .charge_deviation = q31(CHARGE_DEVIATION),
-                                      .load = q16(pack->robot->supply.standing_w / (series * mean_voltage(cell))),
-                                      .update_rate = UPDATE_RATE,
-                                      .cells = pack->robot->supply.cells,
-                                      .unit_exponent = pack->robot->unit_exponent};
+    config.load = q16(pack->robot->supply.standing_w / (config.voltage_nominal / Q16));
+    config.unit_exponent = pack->robot->unit_exponent;
+    return config;
 }
 
 /** Of the bus while the robot stands, V; 0: the cells cannot give that much. */
@@ -107,9 +69,10 @@ static bool start_battery(struct navigation_pack *pack, uint64_t seed)
         return false;
     }
     random_init(&random, seed);
-    const double known = fmin(fmax(pack->charge + random_gaussian(&random, CHARGE_DEVIATION), 0), 1);
+    const double known = fmin(fmax(pack->charge + random_gaussian(&random, pack->config.charge_deviation / Q31), 0), 1);
 
     pack->energy = pack->robot->supply.metered(pack->robot->self);
+    pack->before = pack->energy;
     return jp_battery_start(&pack->battery, &pack->config, (jp_charge)(known * pack->config.capacity * JOULE),
                             pack->energy) == JP_OK;
 }
@@ -122,6 +85,18 @@ static void expect_load(struct navigation_pack *pack)
     pack->config.load = q16(fmax(joules / pack->seconds, 0) * Q16 / pack->config.voltage_nominal);
 }
 
+/** As an ECU does: jp_ecu_battery_lacks(). */
+static void plan_for_what_is_there(struct navigation_pack *pack)
+{
+    const struct navigation_supply *supply = &pack->robot->supply;
+    const jp_energy now = supply->metered(pack->robot->self);
+
+    pack->most_w = fmax(pack->most_w, (double)(now - pack->before) / JOULE * pack->config.update_rate);
+    pack->before = now;
+    supply->lack(pack->robot->self,
+                 jp_battery_lacks(&pack->battery, &pack->config, q16(fmax(pack->most_w, supply->cruise_w))));
+}
+
 void navigation_pack_tick(struct navigation_pack *pack)
 {
     const struct navigation_supply *supply = &pack->robot->supply;
@@ -132,11 +107,12 @@ void navigation_pack_tick(struct navigation_pack *pack)
         const jp_q16 voltage = (jp_q16)(pack->voltage / pack->ticks);
 
         (void)jp_battery_update(&pack->battery, &pack->config, supply->metered(pack->robot->self), voltage);
-        pack->seconds += 1.0 / UPDATE_RATE;
+        pack->seconds += 1.0 / pack->config.update_rate;
         pack->least_v = fmin(pack->least_v, voltage / Q16);
         pack->voltage = 0;
         pack->ticks = 0;
         expect_load(pack);
+        plan_for_what_is_there(pack);
     }
 }
 
@@ -151,7 +127,7 @@ static void stand(struct navigation_pack *pack)
 bool navigation_pack_start(struct navigation_pack *pack, const struct navigation_robot *robot, uint64_t seed)
 {
     *pack = (struct navigation_pack){.charge = pack->charge, .robot = robot, .least_v = INFINITY};
-    if (robot->supply.cells == NULL) {
+    if (robot->supply.battery == NULL) {
         error_line("%s: --charge: its firmware knows no cells; write sim/robots/packs/%s.cfg and run make battery "
                    "ROBOT=%s",
                    robot->name, robot->name, robot->name);
@@ -166,7 +142,7 @@ bool navigation_pack_start(struct navigation_pack *pack, const struct navigation
     if (!suffices(pack, standing_voltage(pack, &condition)) || !start_battery(pack, seed)) {
         return false;
     }
-    pack->ticks_an_update = (unsigned)lround(robot->rate_hz / UPDATE_RATE);
+    pack->ticks_an_update = (unsigned)lround(robot->rate_hz / pack->config.update_rate);
     robot->supply.feed(robot->self, &pack->cell, &pack->wiring, &condition);
     stand(pack);
     return suffices(pack, pack->least_v);
@@ -188,7 +164,7 @@ struct jp_forecast navigation_pack_left(const struct navigation_pack *pack)
 {
     struct jp_forecast left = {0, 0};
 
-    (void)forecast_left(pack, &left);
+    (void)jp_battery_forecast_left(&pack->battery, &pack->config, &left);
     return left;
 }
 
@@ -210,9 +186,10 @@ static double true_joules(const struct navigation_pack *pack)
     struct cell_pack cells = *pack->robot->supply.pack;
     const double before = cells.ledger.terminal;
     const double amperes = pack->config.load / Q16;
+    const double reserve = pack->config.reserve / Q31;
 
-    while (cells.charge > RESERVE + CHARGE_LEAST) {
-        const double share = fmin(cells.charge - RESERVE, CHARGE_STEP);
+    while (cells.charge > reserve + CHARGE_LEAST) {
+        const double share = fmin(cells.charge - reserve, CHARGE_STEP);
 
         cell_pack_step(&cells, amperes, share * cell_pack_capacity(&cells) / amperes);
     }

@@ -27,7 +27,9 @@ struct navigation_pack {
     int64_t voltage;  /**< sum of the ticks since the last update, V in Q16 */
     unsigned ticks;   /**< that many */
     unsigned ticks_an_update;
-    double least_v; /**< bus, mean of an update's ticks, since it began */
+    double least_v;   /**< bus, mean of an update's ticks, since it began */
+    jp_energy before; /**< metered at the last update */
+    double most_w;    /**< greatest mean power between two updates */
 };
 
 /** The cells feed the robot, which stands, from now on; its idea of the charge is off by as much as the seed draws.
@@ -37,8 +39,7 @@ bool navigation_pack_start(struct navigation_pack *pack, const struct navigation
 /** After each tick of the robot. */
 void navigation_pack_tick(struct navigation_pack *pack);
 
-/** As struct jp_home_config wants them, in the unit of the robot's vehicle. When that is more than the format holds,
- *  energy and deviation are halved until it is not: that is never more probably enough. */
+/** As struct jp_home_config wants them, in the unit of the robot's vehicle. */
 struct jp_forecast navigation_pack_left(const struct navigation_pack *pack);
 jp_q16 navigation_pack_given(const struct navigation_pack *pack);
 

@@ -1,5 +1,6 @@
 #include "sim/missions/navigation_record.h"
 
+#include <math.h>
 #include <unistd.h>
 
 #include "sim/missions/plan_task.h"
@@ -9,11 +10,14 @@
 
 #define Q16 65536.0
 
+/** Where nobody knows how probably it comes home. */
+#define UNKNOWN (-1.0)
+
 void navigation_record_init(struct navigation_record *record, const struct map_file *map, FILE *log)
 {
     *record = (struct navigation_record){
         .log = log, .map = map, .courses = json_array(), .seen = json_array(), .is_live = isatty(STDERR_FILENO) == 1};
-    (void)fprintf(log, "t_s,x_m,y_m,heading_deg,energy_j,state,reason,left_m,left_s\n");
+    (void)fprintf(log, "t_s,x_m,y_m,heading_deg,energy_j,state,reason,left_m,left_s,home_percent\n");
 }
 
 void navigation_record_free(struct navigation_record *record)
@@ -26,9 +30,10 @@ static void write_line(struct navigation_record *record, const struct navigation
 {
     const struct plan_place place = plan_map_place(record->map, &frame->pose);
 
-    (void)fprintf(record->log, "%.2f,%.4f,%.4f,%.2f,%.3f,%s,%s,%.3f,%.2f\n", frame->seconds, place.x, place.y,
+    (void)fprintf(record->log, "%.2f,%.4f,%.4f,%.2f,%.3f,%s,%s,%.3f,%.2f,", frame->seconds, place.x, place.y,
                   place.heading_deg, frame->joules, navigation_state_name(frame->state),
                   navigation_reason_name(frame->reason), frame->left_m, frame->left_s);
+    (void)fprintf(record->log, "%.2f\n", isnan(frame->probability) ? UNKNOWN : 100 * frame->probability);
 }
 
 static void show_line(struct navigation_record *record, const struct navigation_frame *frame)

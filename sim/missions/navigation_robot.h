@@ -10,9 +10,9 @@
 
 /** What feeds it: the constant supply of its file until it is fed by cells. */
 struct navigation_supply {
-    const struct jp_battery_cells *cells; /**< that its firmware knows; NULL: none */
-    double standing_w;                    /**< that it takes while it stands */
-    double voltage_min_v;                 /**< of the bus: below, it switches its motors off */
+    const struct jp_battery_config *battery; /**< that its firmware knows; NULL: none */
+    double standing_w;                       /**< that it takes while it stands */
+    double voltage_min_v;                    /**< of the bus: below, it switches its motors off */
     /** From now on cells feed it. */
     void (*feed)(void *self, const struct cell_constants *cell, const struct cell_wiring *wiring,
                  const struct cell_condition *condition);
@@ -20,6 +20,9 @@ struct navigation_supply {
     /** Its own meter and its measured bus voltage. */
     jp_energy (*metered)(const void *self);
     jp_q16 (*bus_voltage)(const void *self);
+    double cruise_w; /**< that it takes at its highest speed on level ground, as its model has it */
+    /** What it plans from now on gets by with so many volts less than it was designed for. */
+    void (*lack)(void *self, jp_q16 lacking);
 };
 
 /** Switched on and standing. */

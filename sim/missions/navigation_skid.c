@@ -142,6 +142,22 @@ struct skid_surface navigation_skid_surface(const struct jp_terrain *map, const 
     return skid_surface_map(classes);
 }
 
+static double cruise_power(const struct skid_robot_entry *entry)
+{
+    const struct jp_motion motion = {.speed = entry->limits->speed};
+    jp_q16 power = 0;
+
+    (void)jp_skid_energy_power(entry->energy, &motion, 0, &power);
+    return power / Q16;
+}
+
+static void lack(void *self, jp_q16 lacking)
+{
+    struct navigation_skid *skid = self;
+
+    (void)jp_skid_pilot_lack_voltage(&skid->pilot, lacking);
+}
+
 bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_entry *entry,
                           const struct skid_steer_model *model, const struct jp_terrain *terrain,
                           const struct skid_surface *surface, const struct clearance_pose *start, uint64_t seed,
@@ -156,13 +172,15 @@ bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_
                                        .body = navigation_skid_body(model),
                                        .margin_m = model->navigation.margin_m / 2,
                                        .unit_exponent = entry->energy->unit_exponent,
-                                       .supply = {.cells = entry->cells,
+                                       .supply = {.battery = entry->battery,
                                                   .standing_w = model->electronics.power_w,
                                                   .voltage_min_v = entry->config->monitor.voltage_min / Q16,
                                                   .feed = feed,
                                                   .pack = &skid->world.plant.pack,
                                                   .metered = metered,
-                                                  .bus_voltage = bus_voltage},
+                                                  .bus_voltage = bus_voltage,
+                                                  .cruise_w = cruise_power(entry),
+                                                  .lack = lack},
                                        .self = skid,
                                        .tick = tick,
                                        .pose = pose,

@@ -41,12 +41,12 @@ struct navigation_frame {
 /** What is in the battery of a robot that comes back to where it began: J of the energy that the vehicle's model
  * counts. */
 struct navigation_battery {
-    double joules;                 /**< truly */
-    double believed;               /**< by the battery's own estimate, */
-    double deviation;              /**< which states this deviation */
-    struct navigation_pack *pack;  /**< NULL: the above; else cells with a charge, which navigation_run() starts */
-    double confidence;             /**< with which the robot shall come home; below it it turns back; 0: never */
-    struct jp_home_factor *factor; /**< what it has learned of courses, kept; NULL: a new robot's */
+    double joules;                   /**< truly */
+    double believed;                 /**< by the battery's own estimate, */
+    double deviation;                /**< which states this deviation */
+    struct navigation_pack *pack;    /**< NULL: the above; else cells with a charge, which navigation_run() starts */
+    double confidence;               /**< with which the robot shall come home; below it it turns back; 0: never */
+    struct jp_home_learned *learned; /**< what it has learned of drives, kept; NULL: a new robot's */
     /** Of each cell, row by row from the south, before the robot leaves: how probably it goes there and comes home, %;
      * −1: no way leads there. NULL: nobody asks. */
     int8_t *reach;
@@ -88,6 +88,7 @@ struct navigation_result {
     double aside_m;      /**< most that it was beside its leg, beyond what the corners cut */
     double goal_error_m; /**< from the goal cell's centre */
     double deviation_m;  /**< of its position then, as its odometry tells; 0: it does not */
+    double drift_m;      /**< most that it took itself to be elsewhere than it was */
     double length_m;     /**< driven */
     double seconds;
     double joules;          /**< of the energy that the vehicle's model counts */
@@ -95,11 +96,12 @@ struct navigation_result {
     double forecast_joules; /**< of the first course */
     double deviation_joules;
     enum jp_home_state home;                /**< at the end, of a robot with a battery */
+    enum jp_status home_status;             /**< why it has failed */
     double given_joules;                    /**< by the battery at its terminals */
     bool is_stranded;                       /**< the battery was empty, or the bus too low, before it was home */
     struct navigation_charge charge_before; /**< of cells, as it was told where to go */
     struct navigation_charge charge;        /**< the same at the end */
-    double least_bus_v;                     /**< of cells */
+    double least_bus_v;                     /**< of cells, the mean of 0.1 s */
     bool has_turned_back;
     double least_probability; /**< of coming home, on the way out */
     double trip_joules;       /**< out and home by the return map, before it left; 0: nobody asked, or no way */

@@ -10,6 +10,7 @@
 #include "sim/bus/bus_open.h"
 #include "sim/bus/can_log.h"
 #include "sim/bus/local_ecu.h"
+#include "sim/files/cell_file.h"
 #include "sim/lattice/lattice_robot.h"
 #include "sim/missions/bus_navigation.h"
 #include "sim/missions/navigation.h"
@@ -68,10 +69,7 @@ static void check(const struct arguments *arguments, struct argp_state *state)
         command_line_refuse(state, "--frames: there are none without --bus");
     }
     if (arguments->battery_j > 0 && arguments->bus != NULL) {
-        command_line_refuse(state, "--battery: the ECU does not know its way home; leave --bus out");
-    }
-    if (arguments->charge_percent >= 0 && arguments->bus != NULL) {
-        command_line_refuse(state, "--charge: the ECU does not know its way home; leave --bus out");
+        command_line_refuse(state, "--battery: the ECU looks at its cells; give --charge, or leave --bus out");
     }
     if (arguments->charge_percent >= 0 && arguments->battery_j > 0) {
         command_line_refuse(state, "--charge: the cells say what --battery would; leave one out");
@@ -178,14 +176,32 @@ static const char *home_name(enum jp_home_state state)
     return names[state];
 }
 
+/* Why it has failed; NULL: it has not. */
+static const char *home_reason(const struct navigation_result *result)
+{
+    if (result->home != JP_HOME_FAILED) {
+        return NULL;
+    }
+    switch (result->home_status) {
+    case JP_OK:
+        return navigation_reason_name(result->reason);
+    case JP_ERR_STATE:
+        return "motors off";
+    case JP_ERR_NO_PLAN:
+        return "no way leads home";
+    default:
+        return "the robot cannot stand there";
+    }
+}
+
 static json_t *json_home(const struct navigation_task *task, const struct navigation_result *result)
 {
-    return json_pack("{s:s, s:b, s:b, s:f, s:f, s:f, s:f, s:f, s:f, s:o}", "state", home_name(result->home), "stranded",
-                     result->is_stranded, "turned_back", result->has_turned_back, "battery_j", task->battery->joules,
-                     "confidence", task->battery->confidence, "given_j", result->given_joules, "least_probability",
-                     result->least_probability, "trip_j", result->trip_joules, "trip_deviation_j",
-                     result->trip_deviation_joules, "reach_percent",
-                     json_reach(&task->map->config, task->battery->reach));
+    return json_pack(
+        "{s:s, s:s?, s:b, s:b, s:f, s:f, s:f, s:f, s:f, s:f, s:o}", "state", home_name(result->home), "reason",
+        home_reason(result), "stranded", result->is_stranded, "turned_back", result->has_turned_back, "battery_j",
+        task->battery->joules, "confidence", task->battery->confidence, "given_j", result->given_joules,
+        "least_probability", result->least_probability, "trip_j", result->trip_joules, "trip_deviation_j",
+        result->trip_deviation_joules, "reach_percent", json_reach(&task->map->config, task->battery->reach));
 }
 
 static json_t *json_charge(const struct navigation_charge *charge)
@@ -214,7 +230,10 @@ static void print_charge(const struct navigation_result *result)
 
 static void print_home(const struct navigation_task *task, const struct navigation_result *result)
 {
-    (void)printf("%-24s %s%s%s\n", "home", home_name(result->home), result->has_turned_back ? ", turned back" : "",
+    const char *reason = home_reason(result);
+
+    (void)printf("%-24s %s%s%s%s%s\n", "home", home_name(result->home), reason != NULL ? ": " : "",
+                 reason != NULL ? reason : "", result->has_turned_back ? ", turned back" : "",
                  result->is_stranded ? ", STRANDED: the battery is empty" : "");
     (void)printf("%-24s %8.1f J, standard deviation %.1f J\n", "goal and home, forecast", result->trip_joules,
                  result->trip_deviation_joules);
@@ -265,14 +284,36 @@ static void print(const struct navigation_world *world, const struct navigation_
                  result->deviation_joules);
 }
 
+/* What the ECU tells of its way home, in the order of HomeState. */
+static const char *told_name(const struct bus_navigation *navigation)
+{
+    static const char *const names[] = {
+        "no home",    "no memory for the way", "closed", "seeking", "no way", "no battery", "suffices",
+        "too little", "turning back"};
+    const uint8_t state = navigation->drive.view.home.home_state;
+
+    return state < sizeof names / sizeof names[0] ? names[state] : "?";
+}
+
+static json_t *json_told(const struct bus_navigation *navigation)
+{
+    const struct jp_can_home_status_t *home = &navigation->drive.view.home;
+    const struct jp_can_home_battery_t *battery = &navigation->drive.view.home_battery;
+
+    return json_pack("{s:s, s:b, s:f, s:f, s:f, s:f, s:f}", "state", told_name(navigation), "turned_back",
+                     navigation->result.has_turned_back, "probability", ldexp(home->probability, -16), "way_j",
+                     ldexp(home->way, -3), "way_deviation_j", ldexp(home->way_deviation, -3), "left_j",
+                     ldexp(battery->left, -4), "left_deviation_j", ldexp(battery->left_deviation, -4));
+}
+
 static json_t *json_bus(const struct bus_navigation *navigation)
 {
     char fingerprint[17];
 
     (void)snprintf(fingerprint, sizeof fingerprint, "%016" PRIx64, navigation->fingerprint);
-    return json_pack("{s:I, s:f, s:I, s:I, s:s}", "map_bytes", (json_int_t)navigation->stream_bytes, "upload_s",
+    return json_pack("{s:I, s:f, s:I, s:I, s:s, s:o}", "map_bytes", (json_int_t)navigation->stream_bytes, "upload_s",
                      navigation->upload_s, "ticks", (json_int_t)navigation->drive.tick, "commands_late",
-                     (json_int_t)navigation->drive.late, "fingerprint", fingerprint);
+                     (json_int_t)navigation->drive.late, "fingerprint", fingerprint, "home", json_told(navigation));
 }
 
 static void print_bus(const struct bus_navigation *navigation)
@@ -280,6 +321,12 @@ static void print_bus(const struct bus_navigation *navigation)
     (void)printf("%-24s %8zu bytes in %.1f s\n", "map over the bus", navigation->stream_bytes, navigation->upload_s);
     (void)printf("%-24s %8" PRIu64 "\n", "commands late", navigation->drive.late);
     (void)printf("%-24s %016" PRIx64 "\n", "fingerprint", navigation->fingerprint);
+    (void)printf("%-24s %s%s, %.2f %%: %.1f ± %.1f J of %.1f ± %.1f J\n", "home", told_name(navigation),
+                 navigation->result.has_turned_back ? ", turned back" : "",
+                 100 * ldexp(navigation->drive.view.home.probability, -16), ldexp(navigation->drive.view.home.way, -3),
+                 ldexp(navigation->drive.view.home.way_deviation, -3),
+                 ldexp(navigation->drive.view.home_battery.left, -4),
+                 ldexp(navigation->drive.view.home_battery.left_deviation, -4));
 }
 
 /* ---- Bus ---- */
@@ -289,14 +336,22 @@ static bool is_balancer(const struct lattice_robot *robot)
     return robot->balancer.model != NULL;
 }
 
-static bool start_ecu(const struct lattice_robot *robot, struct jp_can_link *link)
+/* Fed by cells it counts what leaves them. */
+static bool start_balancer(struct local_ecu *ecu, const char *name, bool is_fed, struct jp_can_link *link)
 {
-    static struct local_ecu ecu;
+    const struct robot_entry *entry = rig_find_robot(name);
 
+    if (entry != NULL && is_fed && entry->energy_battery == NULL) {
+        error_line("%s: --charge: no energy model of its battery is built in; run make identify ROBOT=%s", name, name);
+        return false;
+    }
+    return entry != NULL && local_ecu_start(ecu, entry, is_fed ? entry->energy_battery : entry->energy, link);
+}
+
+static bool start_local(struct local_ecu *ecu, const struct lattice_robot *robot, bool is_fed, struct jp_can_link *link)
+{
     if (is_balancer(robot)) {
-        const struct robot_entry *entry = rig_find_robot(robot->name);
-
-        return entry != NULL && local_ecu_start(&ecu, entry, entry->energy, link);
+        return start_balancer(ecu, robot->name, is_fed, link);
     }
     const struct skid_robot_entry *entry = skid_robot_find(robot->name);
 
@@ -306,18 +361,49 @@ static bool start_ecu(const struct lattice_robot *robot, struct jp_can_link *lin
                    robot->name, robot->name);
         return false;
     }
-    return local_ecu_start_skid(&ecu, entry, link);
+    return local_ecu_start_skid(ecu, entry, link);
+}
+
+static bool start_ecu(const struct arguments *arguments, const struct lattice_robot *robot, struct jp_can_link *link)
+{
+    static struct local_ecu ecu;
+    const bool is_fed = arguments->charge_percent >= 0;
+
+    if (!start_local(&ecu, robot, is_fed, link)) {
+        return false;
+    }
+    if (is_fed) {
+        ecu_node_turn_back(&ecu.node, (jp_q31)lround(ldexp(arguments->home_percent / 100, 31)));
+    }
+    return true;
+}
+
+/* False after one line on stderr. */
+static bool load_cells(const struct arguments *arguments, const char *name, struct bus_navigation_cells *cells)
+{
+    if (!pack_file_load_robot(name, &cells->cell, &cells->wiring)) {
+        return false;
+    }
+    cells->condition = (struct cell_condition){.charge = arguments->charge_percent / 100,
+                                               .temperature_c = cells->cell.resistance.reference_c};
+    return true;
 }
 
 static bool drive_on_bus(const struct arguments *arguments, const struct lattice_robot *robot,
                          const struct navigation_task *task, FILE *frames, struct bus_navigation *navigation)
 {
+    static struct bus_navigation_cells cells;
+    const bool is_fed = arguments->charge_percent >= 0;
     const struct bus_navigation_robot body = {.balancer = is_balancer(robot) ? &robot->balancer.file : NULL,
-                                              .skid = is_balancer(robot) ? NULL : &robot->skid_steer};
+                                              .skid = is_balancer(robot) ? NULL : &robot->skid_steer,
+                                              .cells = is_fed ? &cells : NULL};
     const bool is_local = strcmp(arguments->bus, IN_PROCESS) == 0;
     struct jp_can_link link;
 
-    if (is_local ? !start_ecu(robot, &link) : !bus_open(&link, arguments->bus)) {
+    if (is_fed && !load_cells(arguments, robot->name, &cells)) {
+        return false;
+    }
+    if (is_local ? !start_ecu(arguments, robot, &link) : !bus_open(&link, arguments->bus)) {
         return false;
     }
     struct can_log log = {.stream = frames,
@@ -472,7 +558,10 @@ static int navigate(const struct arguments *arguments, struct map_file *map, con
                                          .confidence = arguments->home_percent / 100,
                                          .reach = calloc(map->terrain.config.width, map->terrain.config.height)};
 
-    task.battery = (is_fed || arguments->battery_j > 0) && battery.reach != NULL ? &battery : NULL;
+    /* On the bus the ECU has its own. */
+    const bool has_battery = arguments->bus == NULL && (is_fed || arguments->battery_j > 0);
+
+    task.battery = has_battery && battery.reach != NULL ? &battery : NULL;
 
     char *path = realpath(arguments->plan.map_path, NULL);
     const int status = drive(arguments, map, path != NULL ? path : arguments->plan.map_path, robot, &world, &task);

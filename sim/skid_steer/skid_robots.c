@@ -10,7 +10,7 @@
     {                                                                                                                  \
 #name, &jp_skid_robot_##name, &jp_skid_energy_##name, &jp_skid_learning_##name, &jp_path_limits_##name,        \
             &jp_lattice_##name, &jp_skid_steer_##name, &jp_navigation_##name, &(lattice_to_goals),                     \
-            &jp_battery_cells_##name                                                                                   \
+            &jp_battery_config_##name                                                                                  \
     }
 
 static const struct skid_robot_entry entries[] = {ENTRY(burger, jp_lattice_burger),

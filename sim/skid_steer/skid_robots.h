@@ -20,7 +20,7 @@ struct skid_robot_entry {
     const struct jp_skid_steer_config *priced;   /**< by whose formulas its lattices are priced */
     const struct jp_navigator_body *navigation;  /**< NULL: it is not made for that */
     const struct jp_lattice *navigation_lattice; /**< of the disc in which it turns */
-    const struct jp_battery_cells *cells;        /**< of its battery */
+    const struct jp_battery_config *battery;     /**< of its cells */
 };
 
 /** The robot of this name, or NULL. */

@@ -32,6 +32,7 @@ enum jp_status jp_battery_check(const struct jp_battery_config *config, const ch
         FIELD(reserve, 0, (jp_q31)1 << 30),
         FIELD(charge_deviation, 0, (jp_q31)1 << 30),
         FIELD(load, 0, JP_Q16(1024)),
+        FIELD(voltage_designed, 0, JP_Q16(1000)),
         FIELD(unit_exponent, -JP_ENERGY_UNIT_EXPONENT_MAX, JP_ENERGY_UNIT_EXPONENT_MAX),
         FIELD(voltage_min, JP_Q16_ONE, INT32_MAX),
         FIELD(voltage_max, INT32_MIN, JP_Q16(1000)),
@@ -317,6 +318,19 @@ static bool narrow(jp_energy energy, const struct jp_battery_config *config, jp_
     return *narrowed < INT32_MAX;
 }
 
+/** Of as much more than fits: the same share of what fits. */
+static jp_q16 share_of_most(jp_energy energy, jp_energy deviation)
+{
+    jp_energy whole = energy;
+    jp_energy part = deviation;
+
+    while (whole > INT32_MAX || part > INT32_MAX) {
+        whole /= 2;
+        part /= 2;
+    }
+    return jp_saturate32(part * INT32_MAX / whole);
+}
+
 enum jp_status jp_battery_forecast_left(const struct jp_battery *battery, const struct jp_battery_config *config,
                                         struct jp_forecast *left)
 {
@@ -324,8 +338,13 @@ enum jp_status jp_battery_forecast_left(const struct jp_battery *battery, const 
         return JP_ERR_ARGUMENT;
     }
 
-    const bool energy_fits = narrow(jp_battery_energy_left(battery, config), config, &left->energy);
-    const bool deviation_fits = narrow(deviation_left(battery, config), config, &left->deviation);
+    const jp_energy energy = jp_battery_energy_left(battery, config);
+    const jp_energy deviation = deviation_left(battery, config);
+    const bool energy_fits = narrow(energy, config, &left->energy);
+    const bool deviation_fits = narrow(deviation, config, &left->deviation);
 
+    if (!energy_fits) {
+        left->deviation = share_of_most(energy, deviation);
+    }
     return energy_fits && deviation_fits ? JP_OK : JP_ERR_OVERFLOW;
 }

@@ -57,3 +57,11 @@ jp_q16 jp_battery_power_at(const struct jp_battery *battery, const struct jp_bat
 
     return jp_divide(jp_multiply(bus, source.open - bus), source.resistance);
 }
+
+jp_q16 jp_battery_lacks(const struct jp_battery *battery, const struct jp_battery_config *config, jp_q16 power)
+{
+    jp_q16 voltage;
+
+    (void)jp_battery_voltage_under(battery, config, power, &voltage);
+    return voltage < config->voltage_designed ? config->voltage_designed - voltage : 0;
+}

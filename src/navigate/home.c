@@ -254,31 +254,56 @@ static struct jp_forecast way_now(const struct jp_home *home)
     return now;
 }
 
-/** What drives take beside their way: braking, turning round, standing. As much as some steps, give or take as much; of
- *  how many drives. */
-static jp_q16 begin_energy(const struct jp_home *home, unsigned drives)
+/** What a drive takes beside its way: braking, turning round, standing. */
+static jp_q16 begin_energy(const struct jp_home *home)
 {
     const struct jp_home_way *price = &home->internal.price;
 
-    return price->is_known ? scaled(price, drives * PRICE_STEPS * level_step(home)).energy : 0;
+    return price->is_known ? scaled(price, PRICE_STEPS * level_step(home)).energy : 0;
 }
 
-/** With what home has learned of drives. No way takes nothing. */
-static struct jp_forecast driven(const struct jp_home *home, const struct jp_forecast *forecast, unsigned drives)
+/** A way of drives of a kind, with what home has learned of them. */
+static struct jp_forecast driven(const struct jp_home *home, const struct jp_home_factor *factor,
+                                 const struct jp_forecast *forecast, unsigned drives)
 {
-    const jp_q16 begin = begin_energy(home, drives);
-    struct jp_forecast way = jp_home_factor_way(&home->factor, forecast);
+    const jp_q16 begin = begin_energy(home);
+    const struct jp_forecast whole = {jp_saturate32((int64_t)forecast->energy + (int64_t)drives * begin),
+                                      forecast->deviation};
 
-    if (way.energy > 0) {
-        way.energy = jp_add(way.energy, begin);
-        way.deviation = root_of_squares(way.deviation, begin);
-    }
-    return way;
+    return jp_home_factor_way(factor, &whole, begin);
+}
+
+/** No way takes nothing. */
+static struct jp_forecast way_back(const struct jp_home *home, const struct jp_forecast *forecast)
+{
+    return forecast->energy > 0 ? driven(home, &home->learned.back, forecast, 1) : *forecast;
+}
+
+static struct jp_forecast share_of(const struct jp_forecast *forecast, unsigned part, unsigned whole)
+{
+    return (struct jp_forecast){jp_saturate32((int64_t)forecast->energy * part / whole),
+                                jp_saturate32((int64_t)forecast->deviation * part / whole)};
+}
+
+/** What the learner is wrong by it is on the whole way; the factors are wrong on their own. */
+static struct jp_forecast way_of(const struct jp_home *home, const struct jp_forecast *forecast, unsigned drives)
+{
+    const unsigned out = drives / 2U;
+    const struct jp_forecast away = share_of(forecast, out, drives);
+    const struct jp_forecast home_again = share_of(forecast, drives - out, drives);
+    const struct jp_forecast sure[2] = {{away.energy, 0}, {home_again.energy, 0}};
+    const struct jp_forecast parts[2] = {driven(home, &home->learned.out, &sure[0], out),
+                                         driven(home, &home->learned.back, &sure[1], drives - out)};
+    const jp_q16 of_learner = jp_add(jp_q16_multiply(away.deviation, home->learned.out.mean),
+                                     jp_q16_multiply(home_again.deviation, home->learned.back.mean));
+
+    return (struct jp_forecast){jp_add(parts[0].energy, parts[1].energy),
+                                root_of_squares(of_learner, root_of_squares(parts[0].deviation, parts[1].deviation))};
 }
 
 enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, unsigned drives, struct jp_forecast *way)
 {
-    if (home == NULL || way == NULL || drives > JP_HOME_DRIVES_MAX) {
+    if (home == NULL || way == NULL || drives == 0U || drives > JP_HOME_DRIVES_MAX) {
         return JP_ERR_ARGUMENT;
     }
     if (!home->internal.price.is_known) {
@@ -286,14 +311,14 @@ enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, unsigned
     }
     const struct jp_forecast forecast = scaled(&home->internal.price, cost);
 
-    *way = driven(home, &forecast, drives);
+    *way = way_of(home, &forecast, drives);
     return JP_OK;
 }
 
 enum jp_status jp_home_farthest(const struct jp_home *home, const struct jp_forecast *left, jp_q31 confidence,
                                 unsigned drives, jp_cost *cost)
 {
-    if (home == NULL || left == NULL || cost == NULL || drives > JP_HOME_DRIVES_MAX ||
+    if (home == NULL || left == NULL || cost == NULL || drives == 0U || drives > JP_HOME_DRIVES_MAX ||
         !jp_is_between(confidence, JP_PROBABILITY_MIN, JP_PROBABILITY_MAX)) {
         return JP_ERR_ARGUMENT;
     }
@@ -325,25 +350,32 @@ enum jp_status jp_home_ask(const struct jp_home *home, struct jp_home_answer *an
     }
     const struct jp_forecast way = way_now(home);
 
-    answer->way = driven(home, &way, 1);
+    answer->way = way_back(home, &way);
     return jp_forecast_suffices(&answer->left, &answer->way, &answer->probability);
 }
 
 /* The drive. */
 
-static void end_drive(struct jp_home *home)
+static void end_drive(struct jp_home *home, struct jp_home_factor *factor)
 {
     const struct jp_home_drive *drive = &home->internal.drive;
-    const jp_q16 begin = begin_energy(home, 1);
-    const struct jp_forecast forecast = {drive->forecast.energy, root_of_squares(drive->forecast.deviation, begin)};
+    const jp_q16 begin = begin_energy(home);
+    const struct jp_forecast forecast = {jp_add(drive->forecast.energy, begin), drive->forecast.deviation};
 
-    /* A drive without a course, or that took nothing, teaches nothing. */
-    (void)jp_home_factor_learn(&home->factor, jp_sub(given_since(home, drive->given), begin), &forecast);
+    /* A drive that took nothing teaches nothing, nor one before any way was surveyed. */
+    (void)jp_home_factor_learn(factor, given_since(home, drive->given), &forecast, begin);
 }
 
-static void fail(struct jp_home *home)
+static void fail(struct jp_home *home, enum jp_status status)
 {
     home->state = JP_HOME_FAILED;
+    home->status = status;
+}
+
+/** Of a navigator that has failed. */
+static enum jp_status failure_of(enum jp_navigator_reason reason)
+{
+    return reason == JP_NAVIGATOR_OFF ? JP_ERR_STATE : JP_OK;
 }
 
 enum jp_status jp_home_return(struct jp_home *home)
@@ -372,20 +404,24 @@ static bool must_return(const struct jp_home *home)
 static void turn_back(struct jp_home *home)
 {
     home->has_turned_back = true;
-    if (jp_home_return(home) != JP_OK) {
-        fail(home);
+    const enum jp_status status = jp_home_return(home);
+
+    if (status != JP_OK) {
+        fail(home, status);
     }
 }
 
 static void leave(struct jp_home *home)
 {
     if (home->internal.is_stuck) {
-        fail(home);
+        fail(home, JP_ERR_NO_PLAN);
     } else if (home->internal.way.is_known && home->internal.is_goal_known) {
         home->state = JP_HOME_OUT;
         begin_drive(home);
-        if (jp_navigator_go(home->config.navigator, &home->internal.goal) != JP_OK) {
-            fail(home);
+        const enum jp_status status = jp_navigator_go(home->config.navigator, &home->internal.goal);
+
+        if (status != JP_OK) {
+            fail(home, status);
         }
     } else {
         /* It waits. */
@@ -396,7 +432,7 @@ static void leave(struct jp_home *home)
 static void go_out(struct jp_home *home, enum jp_navigator_state state)
 {
     if (state == JP_NAVIGATOR_ARRIVED) {
-        end_drive(home);
+        end_drive(home, &home->learned.out);
         home->state = JP_HOME_AT_GOAL;
     } else if (state > JP_NAVIGATOR_ARRIVED || must_return(home)) {
         turn_back(home);
@@ -408,10 +444,10 @@ static void go_out(struct jp_home *home, enum jp_navigator_state state)
 static void come_home(struct jp_home *home, enum jp_navigator_state state)
 {
     if (state == JP_NAVIGATOR_ARRIVED) {
-        end_drive(home);
+        end_drive(home, &home->learned.back);
         home->state = JP_HOME_HOME;
     } else if (state > JP_NAVIGATOR_ARRIVED) {
-        fail(home);
+        fail(home, failure_of(home->config.navigator->reason));
     } else {
         /* On its way. */
     }
@@ -444,11 +480,26 @@ enum jp_status jp_home_go(struct jp_home *home, const struct jp_goal *goal)
     if (home == NULL || goal == NULL) {
         return JP_ERR_ARGUMENT;
     }
+    if (jp_frame_look(home->config.navigator).phase == JP_VEHICLE_OFF) {
+        return JP_ERR_STATE;
+    }
     home->internal.goal = *goal;
     home->internal.is_goal_known = false;
     home->has_turned_back = false;
+    home->status = JP_OK;
     home->state = JP_HOME_PREPARING;
     return JP_OK;
+}
+
+void jp_home_stop(struct jp_home *home)
+{
+    home->state = JP_HOME_IDLE;
+    jp_navigator_stop(home->config.navigator);
+}
+
+bool jp_home_is_cut_off(const struct jp_home *home)
+{
+    return home->internal.is_stuck;
 }
 
 /* Preparation. */
@@ -505,7 +556,7 @@ enum jp_status jp_home_init(struct jp_home *home, const struct jp_home_config *c
     if (*field != NULL) {
         return JP_ERR_CONFIG;
     }
-    *home = (struct jp_home){.config = *config, .factor = jp_home_factor_new};
+    *home = (struct jp_home){.config = *config, .learned = jp_home_learned_new};
 
     const struct jp_lattice *lattice = jp_planner_lattice(config->navigator->config.planner);
     const struct jp_terrain *terrain = terrain_of(home);

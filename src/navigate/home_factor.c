@@ -16,7 +16,10 @@
 /** Of what a drive tells of the noise. */
 #define NOISE_SHARE 4
 
-const struct jp_home_factor jp_home_factor_new = {.mean = JP_Q16(1.05), .deviation = JP_Q16(0.1), .noise = JP_Q16(0.1)};
+/* Way out: planning, ways round what the map does not show. Way home: along what was driven. */
+const struct jp_home_learned jp_home_learned_new = {
+    .out = {.mean = JP_Q16(1.1), .deviation = JP_Q16(0.1), .noise = JP_Q16(0.4)},
+    .back = {.mean = JP_Q16(1.04), .deviation = JP_Q16(0.06), .noise = JP_Q16(0.25)}};
 
 /** Of Q16, in Q32. */
 static int64_t square(jp_q16 x)
@@ -44,35 +47,46 @@ static jp_q16 relative_deviation(const struct jp_forecast *forecast)
     return (jp_q16)(ratio < JP_Q16_ONE ? ratio : JP_Q16_ONE);
 }
 
-enum jp_status jp_home_factor_learn(struct jp_home_factor *factor, jp_q16 taken, const struct jp_forecast *forecast)
+/** Variance of a drive by its noise, of the square of what it takes: Q32. */
+static int64_t noise_of(const struct jp_home_factor *factor, jp_q16 energy, jp_q16 steps)
 {
-    if (factor == NULL || forecast == NULL || taken <= 0 || forecast->energy <= 0 || forecast->deviation < 0) {
+    const int64_t share = (int64_t)steps * JP_Q16_ONE / energy;
+
+    return (square(factor->noise) >> 16) * (share < JP_Q16_ONE ? share : JP_Q16_ONE);
+}
+
+enum jp_status jp_home_factor_learn(struct jp_home_factor *factor, jp_q16 taken, const struct jp_forecast *forecast,
+                                    jp_q16 steps)
+{
+    if (factor == NULL || forecast == NULL || taken <= 0 || forecast->energy <= 0 || forecast->deviation < 0 ||
+        steps <= 0) {
         return JP_ERR_ARGUMENT;
     }
     const jp_q16 innovation = clamped_ratio(taken, forecast->energy) - factor->mean;
     const int64_t known = square(factor->deviation);
     const int64_t unsure = known + square(relative_deviation(forecast));
-    const int64_t noise = square(factor->noise);
+    const int64_t noise = noise_of(factor, forecast->energy, steps);
     const int64_t least = noise / (int64_t)MEMORY;
-    const int64_t total = unsure + noise;
+    const int64_t total = unsure + noise > JP_Q16_ONE ? unsure + noise : JP_Q16_ONE;
     const int64_t left = known - (known >> 16) * (known / (total >> 16));
     const int64_t seen = square(innovation) > unsure ? square(innovation) - unsure : 0;
     /* A forecast that is not sure says as little of the noise. */
-    const int64_t change = (seen - noise) / NOISE_SHARE / (total >> 16) * (noise >> 16);
+    const int64_t change = (seen - noise) / NOISE_SHARE / (total >> 16) * (square(factor->noise) >> 16);
 
     factor->mean = jp_clamp32(factor->mean + jp_saturate32((int64_t)innovation * (known >> 8) / (total >> 8)),
                               RATIO_MIN, RATIO_MAX);
     factor->deviation = jp_clamp32(root(left > least ? left : least), 1, DEVIATION_MAX);
-    factor->noise = jp_clamp32(root(noise + change), NOISE_MIN, NOISE_MAX);
+    factor->noise = jp_clamp32(root(square(factor->noise) + change), NOISE_MIN, NOISE_MAX);
     return JP_OK;
 }
 
-struct jp_forecast jp_home_factor_way(const struct jp_home_factor *factor, const struct jp_forecast *forecast)
+struct jp_forecast jp_home_factor_way(const struct jp_home_factor *factor, const struct jp_forecast *forecast,
+                                      jp_q16 steps)
 {
-    const jp_q16 share = root(square(factor->deviation) + square(factor->noise));
     const jp_q16 energy = jp_q16_multiply(forecast->energy, factor->mean);
     const jp_q16 of_learner = jp_q16_multiply(forecast->deviation, factor->mean);
-    const jp_q16 of_drives = jp_q16_multiply(forecast->energy, share);
+    const jp_q16 of_mean = jp_q16_multiply(forecast->energy, factor->deviation);
+    const jp_q16 of_drive = jp_q16_multiply(root((int64_t)forecast->energy * steps), factor->noise);
 
-    return (struct jp_forecast){energy, root(square(of_learner) + square(of_drives))};
+    return (struct jp_forecast){energy, root(square(of_learner) + square(of_mean) + square(of_drive))};
 }

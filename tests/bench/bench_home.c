@@ -2,7 +2,8 @@
  * what they can return from with 95 % return, and whether those that turn back by themselves come home, and had to.
  * Prints figures as JSON, progress on stderr.
  *
- * Cases, stated before they were measured. A robot a seed from 700001 on, drawn as in the other benches
+ * Cases, stated before they were measured. A robot a seed from 910001 on for the border, from 920001 on in use, which
+ * nothing was designed on; drawn as in the other benches
  * (skid_random_variation(), variation_draw()), on the dense map of its seed (tests/support/dense_map.h), whose boxes it
  * does not know; of the skid-steered robot on hills up to its limit. It makes TRIPS trips from its home, to goals drawn
  * like that of the map, and keeps what it learns. Before each trip but the first it becomes another robot, on another
@@ -28,7 +29,8 @@
 
 #define COMMAND "make bench-home"
 
-#define FIRST_SEED        700001U
+#define BORDER_SEED       910001U
+#define USE_SEED          920001U
 #define MEMORY            ((size_t)4 << 20) /* of the planner, bytes */
 #define VIEW              25                /* cells */
 #define PATIENCE          3600              /* simulated s */
@@ -37,7 +39,7 @@
 #define BORDER_QUANTILE   1.6448536
 #define CONFIDENCE        0.999
 
-enum { ROBOTS = 8, TRIPS = 4 };
+enum { ROBOTS = 48, TRIPS = 4 };
 
 static const char *const kinds[] = {"zhang2018", "courier24"};
 
@@ -57,7 +59,7 @@ struct trip {
 /* What a robot knows. */
 struct knowledge {
     struct jp_learned_state state;
-    struct jp_home_factor factor;
+    struct jp_home_learned learned;
     bool is_there;
 };
 
@@ -123,12 +125,12 @@ static bool drive_trip(const struct navigate_robot *robot, const struct dense_ma
                        double confidence, struct knowledge *knowledge, struct navigation_result *result,
                        struct drive *drive)
 {
-    struct jp_home_factor factor = knowledge->is_there ? knowledge->factor : jp_home_factor_new;
+    struct jp_home_learned learned = knowledge->is_there ? knowledge->learned : jp_home_learned_new;
     struct navigation_battery battery = {.joules = 1e9,
                                          .believed = 20000,
                                          .deviation = 1,
                                          .confidence = confidence,
-                                         .factor = &factor,
+                                         .learned = &learned,
                                          .leave = fill,
                                          .context = drive};
     struct navigation_task task = {.lattice = robot->lattice,
@@ -172,7 +174,7 @@ static bool drive_trip(const struct navigate_robot *robot, const struct dense_ma
         is_done = is_done && navigation_run(&task, &driven, result);
         knowledge->state = balancer->pilot.learner.state;
     }
-    knowledge->factor = factor;
+    knowledge->learned = learned;
     knowledge->is_there = true;
     free(skid);
     free(balancer);
@@ -301,11 +303,13 @@ static void in_use(const struct bench *bench, uint64_t seed, const struct trip *
     }
 }
 
+/* At the border, and then in use. */
 static void bench_robot(void *context, size_t index)
 {
     const struct bench *bench = context;
-    const uint64_t seed = FIRST_SEED + index;
-    struct knowledge known[2] = {{.is_there = false}, {.is_there = false}};
+    const bool is_in_use = index >= ROBOTS;
+    const uint64_t seed = is_in_use ? USE_SEED + index - ROBOTS : BORDER_SEED + index;
+    struct knowledge known = {.is_there = false};
     struct trip trip = {.seed = 100 * seed};
     struct dense_map dense;
     struct random random;
@@ -316,9 +320,12 @@ static void bench_robot(void *context, size_t index)
     }
     for (unsigned i = 0; i < TRIPS; i++) {
         draw_trip(&random, &bench->robot, &dense, i, &trip);
-        at_border(bench, seed, &trip, i, &known[0], &bench->outcomes[index]);
-        trip.share = random_uniform(&random, 0.5, 1.5);
-        in_use(bench, seed, &trip, &known[1], &bench->outcomes[index]);
+        if (is_in_use) {
+            trip.share = random_uniform(&random, 0.5, 1.5);
+            in_use(bench, seed, &trip, &known, &bench->outcomes[index]);
+        } else {
+            at_border(bench, seed, &trip, i, &known, &bench->outcomes[index]);
+        }
     }
     dense_map_free(&dense);
 }
@@ -338,7 +345,7 @@ static void add(json_t *figures, const char *name, const char *what, double valu
 
 static void bench_kind(json_t *figures, const char *name)
 {
-    static struct outcome outcomes[ROBOTS];
+    static struct outcome outcomes[2 * ROBOTS];
     static struct bench bench;
     struct outcome sum = {0};
     double errors[ROBOTS * TRIPS];
@@ -349,8 +356,8 @@ static void bench_kind(json_t *figures, const char *name)
     if (!navigate_robot_load(&bench.robot, name)) {
         exit(ERROR_EXIT);
     }
-    in_parallel(name, bench_robot, &bench, ROBOTS);
-    for (size_t i = 0; i < ROBOTS; i++) {
+    in_parallel(name, bench_robot, &bench, 2 * ROBOTS);
+    for (size_t i = 0; i < 2 * ROBOTS; i++) {
         sum.trips += outcomes[i].trips;
         sum.border_trips += outcomes[i].border_trips;
         sum.border_returned += outcomes[i].border_returned;

@@ -84,6 +84,8 @@ static void put_progress(uint8_t course, uint8_t legs)
     PUT(MAP_STATUS, map_status, .map_id = 3, .state = 2);
     PUT(NAVIGATION_STATUS, navigation_status, .goal_id = 200, .state = 5, .reason = 2, .answer = 6,
         .has_course = legs > 0, .vehicle_status = -7, .replans = 4, .course = course, .legs_left = legs);
+    PUT(HOME_STATUS, home_status, .home_state = 6, .probability = 49152, .way = 404, .way_deviation = 20);
+    PUT(HOME_BATTERY, home_battery, .left = 3200000, .left_deviation = 8);
     PUT(NAVIGATION_PROGRESS, navigation_progress, .distance = 160, .duration = 24, .energy = 324, .deviation = 12);
     pass();
 }
@@ -106,6 +108,12 @@ static void test_what_the_navigator_does(void)
     TEST_ASSERT_EQUAL_DOUBLE(1.5, navigation.duration);
     TEST_ASSERT_EQUAL_DOUBLE(40.5, navigation.energy);
     TEST_ASSERT_EQUAL_DOUBLE(1.5, navigation.deviation);
+    TEST_ASSERT_EQUAL_INT(6, navigation.home_state);
+    TEST_ASSERT_EQUAL_DOUBLE(0.75, navigation.home_probability);
+    TEST_ASSERT_EQUAL_DOUBLE(50.5, navigation.home_energy);
+    TEST_ASSERT_EQUAL_DOUBLE(2.5, navigation.home_deviation);
+    TEST_ASSERT_EQUAL_DOUBLE(200000, navigation.battery_energy);
+    TEST_ASSERT_EQUAL_DOUBLE(0.5, navigation.battery_deviation);
 }
 
 static void test_a_course_is_told_when_all_of_it_has_come(void)

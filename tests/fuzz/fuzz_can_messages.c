@@ -54,6 +54,8 @@
     X(learned_deviations)                                                                                              \
     X(map_pose)                                                                                                        \
     X(patrol_status)                                                                                                   \
+    X(home_status)                                                                                                     \
+    X(home_battery)                                                                                                    \
     X(sim_time)                                                                                                        \
     X(sim_done)
 

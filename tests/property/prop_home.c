@@ -14,7 +14,10 @@
 #include "tests/support/random.h"
 #include "unity.h"
 
-enum { FIELD_BYTES = SIDE * SIDE * JP_HEADINGS * 3 + SIDE * JP_HEADINGS * 4, CALLS_MAX = 60000 };
+enum {
+    FIELD_BYTES = SIDE * SIDE * JP_HEADINGS * 3 + SIDE * JP_HEADINGS / 32 * SIDE * 4 + SIDE * JP_HEADINGS * 4,
+    CALLS_MAX = 60000
+};
 
 #define CONFIDENCE ((jp_q31)2145336164) /* 0.999 */
 
@@ -195,6 +198,8 @@ static void test_refuses_requests(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_expect(NULL, 100, 1, &way));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_expect(&home, 100, 1, NULL));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_expect(&home, 100, JP_HOME_DRIVES_MAX + 1, &way));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_expect(&home, 100, 0, &way));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_farthest(&home, &way, CONFIDENCE, 0, &cost));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_farthest(&home, &way, CONFIDENCE, JP_HOME_DRIVES_MAX + 1, &cost));
     TEST_ASSERT_EQUAL_INT(JP_ERR_NO_PLAN, jp_home_expect(&home, 100, 1, &way));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_farthest(NULL, &way, CONFIDENCE, 1, &cost));
@@ -344,6 +349,8 @@ static void test_fails_where_the_way_home_is_blocked_for_good(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_return(&home));
     TEST_ASSERT_FALSE(work_home_until(JP_HOME_HOME));
     TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, home.state);
+    TEST_ASSERT_EQUAL_INT(JP_OK, home.status);
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_UNREACHABLE, navigator.state);
 }
 
 static void test_a_blocked_goal_fails_when_it_leaves(void)
@@ -352,7 +359,63 @@ static void test_a_blocked_goal_fails_when_it_leaves(void)
     go_out(0, 0);
     TEST_ASSERT_FALSE(work_home_until(JP_HOME_OUT));
     TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, home.state);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_BLOCKED, home.status);
     TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, jp_home_work(&home));
+    /* And another goal is another task. */
+    go_out(19, 4);
+    TEST_ASSERT_EQUAL_INT(JP_OK, home.status);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_OUT));
+}
+
+/* It is there already. */
+static void test_a_drive_without_a_course_teaches_nothing(void)
+{
+    init_home();
+    go_out(4, 4);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
+    TEST_ASSERT_EQUAL_MEMORY(&jp_home_learned_new, &home.learned, sizeof home.learned);
+}
+
+static void test_motors_that_are_off_are_named(void)
+{
+    init_home();
+    robot.view.phase = JP_VEHICLE_OFF;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_home_go(&home, &(struct jp_goal){19, 4, JP_ANY_HEADING}));
+    TEST_ASSERT_EQUAL_INT(JP_HOME_IDLE, home.state);
+    /* Before it leaves. */
+    robot.view.phase = JP_VEHICLE_STANDING;
+    go_out(19, 4);
+    robot.view.phase = JP_VEHICLE_OFF;
+    TEST_ASSERT_FALSE(work_home_until(JP_HOME_OUT));
+    TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, home.state);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, home.status);
+    /* On its way home. */
+    robot.view.phase = JP_VEHICLE_STANDING;
+    go_out(19, 4);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_return(&home));
+    while (navigator.state != JP_NAVIGATOR_DRIVING) {
+        work_some(1);
+    }
+    robot.view.phase = JP_VEHICLE_OFF;
+    TEST_ASSERT_FALSE(work_home_until(JP_HOME_HOME));
+    TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, home.state);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, home.status);
+}
+
+static void test_stop_ends_it(void)
+{
+    init_home();
+    go_out(19, 4);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_OUT));
+    work_some(40);
+    jp_home_stop(&home);
+    TEST_ASSERT_EQUAL_INT(JP_HOME_IDLE, home.state);
+    battery.energy = 0;
+    work_some(200);
+    TEST_ASSERT_EQUAL_INT(JP_HOME_IDLE, home.state);
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_IDLE, navigator.state);
+    TEST_ASSERT_FALSE(home.has_turned_back);
 }
 
 /* It stands where no way home begins. */
@@ -364,6 +427,8 @@ static void test_fails_where_no_way_leads_home(void)
     go_out(8, 8);
     TEST_ASSERT_FALSE(work_home_until(JP_HOME_OUT));
     TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, home.state);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_NO_PLAN, home.status);
+    TEST_ASSERT_TRUE(jp_home_is_cut_off(&home));
 }
 
 static void test_fails_to_turn_back_when_its_motors_are_off(void)
@@ -382,6 +447,7 @@ static void test_fails_to_turn_back_when_its_motors_are_off(void)
     battery.energy = 0;
     work_some(2);
     TEST_ASSERT_EQUAL_INT(JP_HOME_FAILED, home.state);
+    TEST_ASSERT_NOT_EQUAL_INT(JP_OK, home.status);
     TEST_ASSERT_TRUE(home.has_turned_back);
 }
 
@@ -431,7 +497,7 @@ static void test_what_blocks_the_way_home_is_seen(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_ask(&home, &before));
     take(JP_Q16(1));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_ask(&home, &after));
-    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), before.way.energy + home.factor.mean, after.way.energy);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), before.way.energy + home.learned.back.mean, after.way.energy);
     TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
     work_some(100);
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_ask(&home, &after));
@@ -528,17 +594,24 @@ static void test_begins_beside_a_cell_that_is_too_near_to_a_wall(void)
 
 static void test_expects_of_a_way_what_its_cost_says(void)
 {
-    struct jp_forecast once;
-    struct jp_forecast twice;
+    struct jp_forecast ways[3];
+    struct jp_forecast out_and_home;
 
     init_home();
     go_out(18, 15);
     TEST_ASSERT_TRUE(work_home_until(JP_HOME_OUT));
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_expect(&home, 300, 0, &once));
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_expect(&home, 600, 0, &twice));
-    TEST_ASSERT_TRUE(once.energy > 0 && once.deviation > 0);
-    TEST_ASSERT_INT32_WITHIN(4, 2 * once.energy, twice.energy);
-    TEST_ASSERT_INT32_WITHIN(8, 2 * once.deviation, twice.deviation);
+    for (unsigned i = 0; i < 3; i++) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_expect(&home, 300 * (i + 1), 1, &ways[i]));
+        TEST_ASSERT_TRUE(ways[i].energy > 0 && ways[i].deviation > 0);
+    }
+    /* Each step takes as much; what is not known of it becomes a smaller share. */
+    TEST_ASSERT_INT32_WITHIN(4, ways[1].energy - ways[0].energy, ways[2].energy - ways[1].energy);
+    TEST_ASSERT_TRUE((int64_t)ways[1].deviation * ways[0].energy < (int64_t)ways[0].deviation * ways[1].energy);
+    TEST_ASSERT_TRUE((int64_t)ways[2].deviation * ways[1].energy < (int64_t)ways[1].deviation * ways[2].energy);
+    /* Two drives begin twice, and the way out is dearer and less sure. */
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_expect(&home, 600, 2, &out_and_home));
+    TEST_ASSERT_TRUE(out_and_home.energy > ways[1].energy);
+    TEST_ASSERT_TRUE(out_and_home.deviation > ways[1].deviation);
 }
 
 /* A way that costs so much suffices with the confidence; one that costs more does not. */
@@ -575,11 +648,11 @@ static void test_drives_teach_by_which_factor_they_take_more(void)
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_return(&home));
         TEST_ASSERT_TRUE(work_home_until(JP_HOME_HOME));
     }
-    TEST_ASSERT_TRUE(home.factor.mean > JP_Q16(1.2));
+    TEST_ASSERT_TRUE(home.learned.out.mean > JP_Q16(1.2));
 }
 
 /* Out and home on a battery of which so much less than thought turns out to be left on the way. */
-static struct jp_home_factor factor_after(jp_q16 less)
+static struct jp_home_learned learned_after(jp_q16 less)
 {
     rig_reset();
     battery.energy = JP_Q16(1000);
@@ -592,17 +665,19 @@ static struct jp_home_factor factor_after(jp_q16 less)
     TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_return(&home));
     TEST_ASSERT_TRUE(work_home_until(JP_HOME_HOME));
-    return home.factor;
+    return home.learned;
 }
 
 static void test_what_becomes_known_of_the_battery_teaches_nothing_of_drives(void)
 {
-    const struct jp_home_factor usual = factor_after(0);
-    const struct jp_home_factor corrected = factor_after(JP_Q16(500));
+    const struct jp_home_learned usual = learned_after(0);
+    const struct jp_home_learned corrected = learned_after(JP_Q16(500));
 
-    TEST_ASSERT_TRUE(usual.mean != jp_home_factor_new.mean);
-    TEST_ASSERT_EQUAL_INT32(usual.mean, corrected.mean);
-    TEST_ASSERT_EQUAL_INT32(usual.noise, corrected.noise);
+    TEST_ASSERT_TRUE(usual.out.mean != jp_home_learned_new.out.mean);
+    TEST_ASSERT_TRUE(usual.back.mean != jp_home_learned_new.back.mean);
+    TEST_ASSERT_EQUAL_INT32(usual.out.mean, corrected.out.mean);
+    TEST_ASSERT_EQUAL_INT32(usual.back.mean, corrected.back.mean);
+    TEST_ASSERT_EQUAL_INT32(usual.back.noise, corrected.back.noise);
 }
 
 /* ---- Any map, any battery ---- */

@@ -18,7 +18,11 @@ enum {
     CALLS_MAX = 100000,
     STEPS_MAX = 2000
 };
-enum { LIMIT = JP_COST_MAX - 2, BLOCK_BYTES = POSES * 3 + HEIGHT * JP_HEADINGS * 4 };
+enum {
+    LIMIT = JP_COST_MAX - 2,
+    BLOCK_BYTES = (POSES * 3 + 7) / 8 * 8 + ((WIDTH * JP_HEADINGS + 31) / 32 * HEIGHT * 4 + 7) / 8 * 8 +
+                  (WIDTH + 31) / 32 * HEIGHT * JP_HEADINGS * 4
+};
 
 static struct options options = {.count = 60, .seed = 2027};
 static struct toy_lattice toy;
@@ -26,7 +30,7 @@ static const struct jp_lattice *const lattice = &toy.lattice;
 static struct jp_terrain terrain;
 static struct jp_pose_field field;
 static struct jp_return_map out_and_back;
-static uint64_t map_block[(2 * 2 * HEIGHT * 4 + 4 * CELLS + 64) / 8];
+static uint64_t map_block[(2 * 2 * HEIGHT * 4 + 5 * CELLS + 64) / 8];
 static uint64_t block[2 * BLOCK_BYTES / 8];
 static uint32_t expected[HEIGHT][WIDTH][JP_HEADINGS];
 static uint32_t out[HEIGHT][WIDTH][JP_HEADINGS];
@@ -46,7 +50,8 @@ static void make_map(void)
                                              .height = HEIGHT,
                                              .resolution = JP_Q16(0.2),
                                              .has_elevation = below(2) == 0U,
-                                             .has_costs = below(3) == 0U};
+                                             .has_costs = below(3) == 0U,
+                                             .has_classes = below(4) == 0U};
     const uint32_t free_percent = 70 + below(30);
     const char *wrong = "";
 

@@ -153,7 +153,31 @@ def test_what_of_cells_is_refused(tmp_path):
     assert_one_line_error(drive_on_cells(tmp_path, "burger", 101), "--charge")
     assert_one_line_error(drive_on_cells(tmp_path, "burger", "full"), "--charge")
     assert_one_line_error(drive_on_cells(tmp_path, "burger", 50, "--battery=500"), "--charge", "--battery")
-    assert_one_line_error(drive_on_cells(tmp_path, "burger", 50, "--bus=in-process"), "--charge", "--bus")
+    assert_one_line_error(drive_on_cells(tmp_path, "burger", 50, "--bus=in-process", "--battery=9"), "--battery")
+
+
+def test_motors_that_go_off_are_named(tmp_path):
+    result = drive_on_cells(tmp_path, "burger", 0.7)
+    text = result.stdout + result.stderr
+    assert result.returncode != 0 and "motors" in text and "off" in text
+    if result.returncode == 1:
+        assert summary_of(tmp_path / "out")["home"]["reason"] == "motors off"
+
+
+@pytest.mark.parametrize("robot, charge, turns_back", [("courier24", 60, False), ("burger", 60, False),
+                                                       ("courier24", 10.5, True), ("burger", 10.5, True)])
+def test_on_the_bus_the_ecu_knows_its_way_home(tmp_path, robot, charge, turns_back):
+    result = drive_on_cells(tmp_path, robot, charge, "--bus=in-process")
+    assert (result.returncode, result.stderr) == (0, "")
+    summary = summary_of(tmp_path / "out")
+    told = summary["bus"]["home"]
+    assert told["turned_back"] == turns_back and told["state"] == ("too little" if turns_back else "suffices")
+    assert 0 < told["probability"] < 1 and (told["probability"] > 0.999) != turns_back
+    assert (summary["result"]["length_m"] < 0.5) == turns_back
+    assert turns_back or 0 < told["way_deviation_j"] < told["way_j"] < told["left_deviation_j"] < told["left_j"]
+    header, *lines = (tmp_path / "out" / "drive.csv").read_text().splitlines()
+    shown = [float(line.split(",")[-1]) for line in lines]
+    assert header.endswith(",home_percent") and max(shown) > 40 and all(-1 <= percent <= 100 for percent in shown)
 
 
 def over_hills(path, height, cliff=0.0):

@@ -44,7 +44,7 @@ class FakeEcu:
 
     `trouble` names what goes wrong: silent, reject, reject once, deaf, stays down, fallen, fault, falls, restarts,
     conflict, loses operator, stops, goes silent, other operator; on a map: no navigator, loses data, too large, damaged
-    once, blocked goal, deaf to goals, unreachable, gives up, other goal, loses operator.
+    once, blocked goal, deaf to goals, unreachable, gives up, turns back, no way home, other goal, loses operator.
     """
 
     def __init__(self, trouble=None):
@@ -194,8 +194,10 @@ class FakeEcu:
         """Two statuses in each state."""
         self._steps += 1
         states = ["Planning", "Turning", "Driving"]
-        end = {"unreachable": ("Unreachable", "None"), "gives up": ("Failed", "Memory")}.get(self.trouble,
-                                                                                            ("Arrived", "None"))
+        end = {"unreachable": ("Unreachable", "None"), "gives up": ("Failed", "Memory"),
+               "no way home": ("Idle", "None")}.get(self.trouble, ("Arrived", "None"))
+        if self.trouble in ("turns back", "no way home") and self._steps >= 4:
+            self.goal_answer = "Home"
         if self._steps // 2 < len(states):
             self.navigator = states[self._steps // 2]
         else:
@@ -216,7 +218,7 @@ class FakeEcu:
 
     def _work(self):
         self.energy += 0.5
-        if self.goal_answer == "Driven" and self.state == "Driving":
+        if self.goal_answer in ("Driven", "Home") and self.state == "Driving":
             self._find_way()
             return
         if self.state != "Driving" or self._now < self._segment_end:
@@ -276,3 +278,6 @@ class FakeEcu:
         self._send("NavigationStatus", GoalId=self.goal["GoalId"] if self.goal else 0, State=self.navigator,
                    Reason=self.navigator_reason, Answer=self.goal_answer, HasCourse=int(has_course), Replans=3)
         self._send("NavigationProgress", Distance=4.5, Duration=21.0, Energy=33.5, Deviation=1.25)
+        self._send("HomeStatus", HomeState="NoWay" if self.trouble == "no way home" else "Suffices", Probability=0.75,
+                   Way=40.5, WayDeviation=2.5)
+        self._send("HomeBattery", Left=2000.0, LeftDeviation=100.5)

@@ -51,6 +51,8 @@ def drive(log):
     log.tell("CourseLeg", Course=7, After=1, X=1.5, Y=0.25)
     log.tell("CourseLeg", Course=7, After=0, X=2.0, Y=0.75)
     log.tell("NavigationProgress", Distance=1.5, Duration=4.0, Energy=8.0, Deviation=0.5)
+    log.tell("HomeStatus", HomeState="Seeking")
+    log.tell("HomeStatus", HomeState="Suffices", Probability=0.75, Way=6.5, WayDeviation=1.5)
     log.tell("Pose", X=0.25, Y=0.0)
     log.send("CellChanges", MapId=1, Column=7, Row=2, Cells=0xFFFFFC | 1)
     log.tell("Pose", X=0.5, Y=0.125)
@@ -76,6 +78,7 @@ def test_map_way_and_courses(log, tmp_path):
     assert [change[1:] for change in found.changes] == [(7, 2, map_stream.OCCUPIED)]
     assert [state[1:] for state in found.states] == [("Driving", "None"), ("Arrived", "None")]
     assert found.left[0][1:] == (1.5, 4.0, 8.0, 0.5) and found.energy[0][1] == 2.5
+    assert [told[1:] for told in found.home] == [(0.75, 6.5, 1.5)]
 
 
 def test_what_is_sent_again_counts_once(log, tmp_path):

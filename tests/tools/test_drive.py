@@ -86,6 +86,7 @@ def test_what_is_lost_of_a_map_is_sent_again(robot, hall, trouble):
     ("no navigator", "built with a navigator"), ("too large", "does not take the map: TooLarge"),
     ("blocked goal", "does not take the goal: Blocked"), ("deaf to goals", "no answer to the goal"),
     ("unreachable", "no way leads to the goal"), ("gives up", "stopped on the way: Memory"),
+    ("turns back", "came home"), ("no way home", "no way home: NoWay"),
     ("other goal", "the goal is not driven to"), ("loses operator", "lost the operator's commands")])
 def test_why_it_did_not_arrive_on_a_map(robot, hall, trouble, part):
     result = robot(*hall, "--goal=1.25,3.5", trouble=trouble)
@@ -101,6 +102,16 @@ def test_the_picture_tells_of_the_navigator(hall):
                     "NavigationProgress": {"Distance": 4.5, "Duration": 21.0, "Energy": 33.5, "Deviation": 1.25}}
     assert drive.navigator_line(state) == ("map Ready · Driving (Blocked) · 4.5 m, 21 s, 34 ± 1 J left · "
                                            "planned anew 2 times")
+
+
+def test_the_picture_tells_of_the_way_home():
+    state = RobotState()
+    assert drive.home_line(state) is None
+    state.latest = {"HomeStatus": {"HomeState": "Seeking", "Probability": 0.0, "Way": 0.0, "WayDeviation": 0.0}}
+    assert drive.home_line(state) == "Seeking"
+    state.latest = {"HomeStatus": {"HomeState": "Suffices", "Probability": 0.9995, "Way": 40.5, "WayDeviation": 2.5},
+                    "HomeBattery": {"Left": 2000.0, "LeftDeviation": 100.5}}
+    assert drive.home_line(state) == "Suffices, 99.95 % · 40 ± 2 J of 2000 ± 100 J"
 
 
 @pytest.mark.parametrize(("arguments", "part"), [

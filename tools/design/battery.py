@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The battery of a robot for the core's filter, from the files of its pack and of the cell.
+"""The battery of a robot for the core's filter, from the files of its pack, of the cell and of the robot.
 
-Writes src/tables/battery_<robot>.c. Exit status 2: bad input; nothing was written.
+Writes src/tables/battery_<robot>.c and pack_<robot>.c. Exit status 2: bad input; nothing was written.
 """
 import math
 import re
@@ -17,6 +17,12 @@ POINTS = 21
 # voltage between two readings leave.
 OFFSET_WALK_SHARE = 0.1
 CHARGE_WALK = 1e-4
+
+# Updates a second; what the robot shall not use of its charge; how far the charge is off that it is told, or finds by
+# the voltage at rest.
+UPDATE_RATE = 10
+RESERVE = 0.1
+CHARGE_DEVIATION = 0.05
 
 SETTING = re.compile(r'(\w+)\s*=\s*(\[[^\]]*\]|"[^"]*"|[^;{}]+);|(\w+)\s*:\s*\{|(\})')
 
@@ -57,6 +63,10 @@ class Settings:
 
     def error(self, key, reason):
         return ToolError(f"{self.source}: {key}: {reason}")
+
+    def first(self, *keys):
+        """Of these keys, which mean the same in files of different kinds of robots, that which is there."""
+        return next((key for key in keys if key in self._values), keys[0])
 
     def _number(self, key, text):
         try:
@@ -129,16 +139,48 @@ def identity(members):
     return zlib.crc32(" ".join(values).encode()) or 1
 
 
-def table(path):
-    """The C table of the pack in a file."""
+def settings_of(pack, cell, robot, name):
+    """Members of struct jp_battery_config. The bus is believed between half of the empty cells' voltage, at which they
+    give most power, and what the full ones have and that half."""
+    to = c_tables.Converter(f"battery of {name}")
+    series, parallel = pack.count("series"), pack.count("parallel")
+    charges, voltages = cell.numbers("cell.charge"), cell.numbers("cell.open_circuit_v")
+    steps = zip(charges, charges[1:], voltages, voltages[1:])
+    mean = sum((right - left) * (low + high) / 2 for left, right, low, high in steps)
+    empty, full = series * voltages[0], series * voltages[-1]
+    return [
+        to.whole("capacity", 3600 * cell.number("cell.capacity_ah") * parallel, "A·s", 60, 262144),
+        to.q16("voltage_empty", empty, "V", 1, 1000),
+        to.q16("voltage_nominal", series * mean, "V", 1, 1000),
+        to.q16("voltage_full", full, "V", 1, 1000),
+        to.q16("voltage_min", empty / 2, "V", 1, 1000),
+        to.q16("voltage_max", full + empty / 2, "V", 1, 1000),
+        to.q16("voltage_jump", empty / 2, "V", 2**-16, 1000),
+        to.q16("charge_efficiency", 1, "", 0.5, 1),
+        to.q31("reserve", RESERVE, "", 0, 0.5),
+        to.q31("charge_deviation", CHARGE_DEVIATION, "", 0, 0.5),
+        c_tables.Member("load", "0", "A: who forecasts knows it"),
+        to.q16("voltage_designed", robot.number(robot.first("supply.voltage_v", "electronics.voltage_v")), "V", 1, 1000),
+        to.whole("update_rate", UPDATE_RATE, "1/s", 1, 1000),
+        c_tables.Member("cells", f"&jp_battery_cells_{name}", "that it is made of"),
+        c_tables.Member("unit_exponent", "0", "as the robot's energy model"),
+    ]
+
+
+def tables(path):
+    """The C tables of the pack in a file, by the name of their file: its cells, and how they are used."""
     pack = Settings(path)
     name = path.stem
     cell_path = ROOT / "sim" / "robots" / "cells" / f"{pack.text('cell')}.cfg"
-    members = members_of(pack, Settings(cell_path), name)
+    cell, robot = Settings(cell_path), Settings(path.resolve().parents[1] / path.name)
+    members = members_of(pack, cell, name)
     members.append(c_tables.Member("identity", f"0x{identity(members):08X}U"))
-    return c_tables.Table(f"make battery ROBOT={name}", shown_path(path),
-                          f"Its cell: {shown_path(cell_path)}.",
-                          "joulepath/battery.h", "jp_battery_cells", f"jp_battery_cells_{name}", members)
+    kinds = (("battery", "jp_battery_cells", members, ()),
+             ("pack", "jp_battery_config", settings_of(pack, cell, robot, name), ("joulepath/tables.h",)))
+    return {f"{stem}_{name}.c": c_tables.Table(f"make battery ROBOT={name}", shown_path(path),
+                                               f"Its cell: {shown_path(cell_path)}.", "joulepath/battery.h", kind,
+                                               f"{kind}_{name}", values, others)
+            for stem, kind, values, others in kinds}
 
 
 def main():
@@ -148,9 +190,10 @@ def main():
                         help="where the C file goes (default: src/tables)")
     options = parser.parse_args()
     path = pack_path(options.robot)
-    output = options.tables / f"battery_{path.stem}.c"
-    write_whole(output, c_tables.render(table(path)))
-    print(f"wrote {shown_path(output)}")
+    for file, made in tables(path).items():
+        output = options.tables / file
+        write_whole(output, c_tables.render(made))
+        print(f"wrote {shown_path(output)}")
     return 0
 
 

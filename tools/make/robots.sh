@@ -31,7 +31,7 @@ for file in "$tables"/robot_*.c; do
     done
     add jp_lattice "jp_lattice_$name" "lattice_$name"
     add jp_navigator_body "jp_navigation_$name" "navigation_$name"
-    add jp_battery_cells "jp_battery_cells_$name" "battery_$name"
+    add jp_battery_config "jp_battery_config_$name" "pack_$name"
     listed+="},"$'\n'
 done
 listed+='    {.name = NULL},

@@ -372,16 +372,26 @@ class Operator(Listener):
         self._check_upright()
         status = {signal: self.state.get("NavigationStatus", signal)
                   for signal in ("GoalId", "Answer", "State", "Reason")}
-        if status["GoalId"] != self._route_id or status["Answer"] not in ("Taken", "Driven"):
+        if status["GoalId"] != self._route_id or status["Answer"] not in ("Taken", "Driven", "Home"):
             raise self.error(f"the goal is not driven to: {status['Answer']}")
         if self.state.get("EcuStatus", "OperatorState") == "Lost":
             raise self.error("the ECU has lost the operator's commands; the robot brakes to a stand")
         if status["Answer"] == "Taken":
             return "Taken"
+        if status["Answer"] == "Home":
+            return self._home(status)
         if status["State"] == "Unreachable":
             raise self.error("no way leads to the goal")
         if status["State"] in ("Failed", "Idle"):
             raise self.error(f"the robot stopped on the way: {status['Reason']}")
+        return status["State"]
+
+    def _home(self, status):
+        """The navigator's state on the way home; RobotError when it is there, or has not left."""
+        if status["State"] == "Arrived":
+            raise self.error("the robot came home: its battery would not have lasted, or the goal cannot be reached")
+        if status["State"] in ("Idle", "Unreachable", "Failed"):
+            raise self.error(f"the robot found no way home: {self.state.get('HomeStatus', 'HomeState')}")
         return status["State"]
 
     # ---- routes

@@ -71,6 +71,7 @@ class Drive:
     way: list = field(default_factory=list)      # (t, x, y)
     energy: list = field(default_factory=list)   # (t, J)
     left: list = field(default_factory=list)     # (t, m, s, J, J)
+    home: list = field(default_factory=list)     # (t, probability, J, J) of the way home, where it is known
     changes: list = field(default_factory=list)  # (t, x, y, state)
     states: list = field(default_factory=list)   # (t, state, reason)
     courses: dict = field(default_factory=dict)  # number: {legs after: (x, y)}
@@ -86,6 +87,7 @@ class Converter:
         self._takers = {"SimTime": self._sim_time, "MapOffer": self._offer, "MapData": self._data,
                         "CellChanges": self._changes, "Pose": self._pose, "EnergySpent": self._energy,
                         "NavigationStatus": self._status, "NavigationProgress": self._progress,
+                        "HomeStatus": self._home,
                         "CourseLeg": self._leg}
 
     def take(self, frame):
@@ -124,6 +126,10 @@ class Converter:
         told = (str(signals["State"]), str(signals["Reason"]))
         if not self.drive.states or self.drive.states[-1][1:] != told:
             self.drive.states.append((t, *told))
+
+    def _home(self, t, signals):
+        if signals["Probability"] > 0:
+            self.drive.home.append((t, *(signals[name] for name in ("Probability", "Way", "WayDeviation"))))
 
     def _progress(self, t, signals):
         self.drive.left.append((t, *(signals[name] for name in ("Distance", "Duration", "Energy", "Deviation"))))
@@ -184,7 +190,7 @@ def draw(cell_map, drive):
 def numbers(cell_map, origin, drive):
     height, width = cell_map.cells.shape
     return {"width": width, "height": height, "resolution_m": cell_map.resolution,
-            "origin": [origin.x, origin.y, origin.heading], "way": drive.way, "left": drive.left,
+            "origin": [origin.x, origin.y, origin.heading], "way": drive.way, "left": drive.left, "home": drive.home,
             "changes": drive.changes, "states": drive.states, "courses": courses_of(drive),
             "goals": drive.goals}
 

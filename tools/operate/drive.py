@@ -92,6 +92,19 @@ def navigator_line(state):
     return f"{text} · planned anew {state.get('NavigationStatus', 'Replans')} times"
 
 
+def home_line(state):
+    """Whether what is left brings the robot home; None where nothing is told."""
+    if "HomeStatus" not in state.latest:
+        return None
+    text = state.get("HomeStatus", "HomeState")
+    probability, way, give = (state.get("HomeStatus", signal) for signal in ("Probability", "Way", "WayDeviation"))
+    if not probability:
+        return text
+    left, deviation = (state.get("HomeBattery", signal) for signal in ("Left", "LeftDeviation"))
+    return (f"{text}, {number(100 * probability, 2, '%')} · {number(way, 0)} ± {number(give, 0, 'J')} of "
+            f"{number(left, 0)} ± {number(deviation, 0, 'J')}")
+
+
 def energy_line(state):
     charge = state.get("BatteryStatus", "StateOfCharge")
     return (f"spent {number(state.get('EnergySpent', 'Energy'), 1, 'J')}, "
@@ -141,6 +154,8 @@ class LiveView:
         about.add_row("energy", energy_line(state))
         if navigator_line(state) is not None:
             about.add_row("navigator", navigator_line(state))
+        if home_line(state) is not None:
+            about.add_row("home", home_line(state))
         about.add_row("faults", ", ".join(state.faults) or "none", style="bold red" if state.faults else "")
         about.add_row("counters", counter_line(state))
         return Group(about, self._segments(state))
@@ -180,6 +195,8 @@ class PlainView:
             self._show("route", f"{state.get('RouteStatus', 'RouteId')} {state.get('RouteStatus', 'State')}")
         if "NavigationStatus" in state.latest:
             self._show("navigator", navigator_line(state).split(" · ")[1])
+        if "HomeStatus" in state.latest:
+            self._show("home", state.get("HomeStatus", "HomeState"))
         for index, segment in state.segments.items():
             self._show(f"segment {index}", self._segment(segment) + (
                 f"; {energy_line(state)}" if segment.spent is not None else ""))

@@ -100,6 +100,8 @@ class Listener:
         if not self.drive.states or self.drive.states[-1][1:] != state:
             self.drive.states.append((t, *state))
         self.drive.left.append((t, told.distance, told.duration, told.energy, told.deviation))
+        if told.home_probability > 0:
+            self.drive.home.append((t, told.home_probability, told.home_energy, told.home_deviation))
         for after, leg in enumerate(reversed(told.legs)):
             self.drive.courses.setdefault(told.course, {}).setdefault(after, (leg.x, leg.y))
 

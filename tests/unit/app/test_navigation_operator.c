@@ -509,6 +509,70 @@ static void test_how_a_drive_can_fail(void)
     }
 }
 
+static void test_it_comes_home_instead(void)
+{
+    static const struct {
+        enum jp_navigator_state state;
+        enum jp_navigation_failure failure;
+    } ends[] = {{JP_NAVIGATOR_ARRIVED, JP_NAVIGATION_CAME_HOME},
+                {JP_NAVIGATOR_IDLE, JP_NAVIGATION_NO_WAY_HOME},
+                {JP_NAVIGATOR_UNREACHABLE, JP_NAVIGATION_NO_WAY_HOME},
+                {JP_NAVIGATOR_FAILED, JP_NAVIGATION_NO_WAY_HOME}};
+
+    for (unsigned i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        setUp();
+        make_driving();
+        say_navigator(commander.goal.id, JP_GOAL_HOME, JP_NAVIGATOR_DRIVING);
+        expect_phase(JP_NAVIGATION_DRIVING);
+        expect_command(JP_MODE_NAVIGATE, commander.goal.id);
+        say_navigator(commander.goal.id, JP_GOAL_HOME, ends[i].state);
+        expect_failure(ends[i].failure);
+    }
+}
+
+static void test_it_is_stopped_on_its_way_home(void)
+{
+    const struct jp_can_navigation_status_t signals = {
+        .answer = JP_GOAL_HOME, .state = JP_NAVIGATOR_IDLE, .reason = JP_NAVIGATOR_TOLD};
+
+    make_under_way();
+    struct jp_can_navigation_status_t stopped = signals;
+    struct jp_can_frame frame = {.id = JP_CAN_NAVIGATION_STATUS_FRAME_ID, .length = JP_CAN_NAVIGATION_STATUS_LENGTH};
+
+    stopped.goal_id = commander.goal.id;
+    (void)jp_can_navigation_status_pack(frame.data, &stopped, sizeof frame.data);
+    jp_navigation_operator_accept(&commander, &frame);
+    jp_navigation_operator_accept(&commander, &frame);
+    expect_failure(JP_NAVIGATION_STOPPED);
+}
+
+static void test_hears_of_the_way_home(void)
+{
+    const struct jp_can_home_status_t home = {
+        .home_state = JP_HOME_TOLD_SUFFICES, .probability = 65000, .way = 1000000, .way_deviation = 77};
+    const struct jp_can_home_battery_t battery = {.left = 3000000000U, .left_deviation = 5};
+    struct jp_can_frame frame = {.id = JP_CAN_HOME_STATUS_FRAME_ID, .length = JP_CAN_HOME_STATUS_LENGTH};
+
+    (void)jp_can_home_status_pack(frame.data, &home, sizeof frame.data);
+    jp_navigation_operator_accept(&commander, &frame);
+    frame.id = JP_CAN_HOME_BATTERY_FRAME_ID;
+    (void)jp_can_home_battery_pack(frame.data, &battery, sizeof frame.data);
+    jp_navigation_operator_accept(&commander, &frame);
+    TEST_ASSERT_EQUAL_UINT8(JP_HOME_TOLD_SUFFICES, commander.home.home_state);
+    TEST_ASSERT_EQUAL_UINT32(1000000, commander.home.way);
+    TEST_ASSERT_EQUAL_UINT32(77, commander.home.way_deviation);
+    TEST_ASSERT_EQUAL_UINT32(3000000000U, commander.battery.left);
+    TEST_ASSERT_EQUAL_UINT32(5, commander.battery.left_deviation);
+    /* Of a wrong length they are ignored. */
+    memset(frame.data, 0, sizeof frame.data);
+    frame.length = 7;
+    jp_navigation_operator_accept(&commander, &frame);
+    frame.id = JP_CAN_HOME_STATUS_FRAME_ID;
+    jp_navigation_operator_accept(&commander, &frame);
+    TEST_ASSERT_EQUAL_UINT16(65000, commander.home.probability);
+    TEST_ASSERT_EQUAL_UINT32(5, commander.battery.left_deviation);
+}
+
 static void test_a_goal_that_is_blocked_when_it_is_to_be_driven_to(void)
 {
     make_driving();

@@ -409,9 +409,11 @@ static void test_forecast_names_what_it_cannot_do(void)
 {
     struct jp_forecast left;
 
+    config.charge_deviation = (jp_q31)1 << 26; /* 1/32 of the capacity, of which 7/8 are left */
     start(CAPACITY * COULOMB);
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_battery_forecast_left(&battery, &config, &left));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, left.energy);
+    TEST_ASSERT_INT32_WITHIN(64, INT32_MAX / 28, left.deviation);
     config.charge_deviation = (jp_q31)1 << 30;
     start(0);
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_battery_forecast_left(&battery, &config, &left));

@@ -444,6 +444,25 @@ static void test_voltage_at_a_current(void)
 }
 
 /* V at P, and P at V: one is the other's inverse. */
+static void test_what_the_bus_lacks(void)
+{
+    jp_q16 voltage;
+
+    start(CAPACITY * COULOMB / 2);
+    config.voltage_designed = JP_Q16(24);
+    for (int watts = 0; watts <= 60; watts += 20) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_battery_voltage_under(&battery, &config, JP_Q16(1) * watts, &voltage));
+        TEST_ASSERT_EQUAL_INT32(JP_Q16(24) - voltage, jp_battery_lacks(&battery, &config, JP_Q16(1) * watts));
+    }
+    /* More than it can give: half of the open circuit's is left. */
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, jp_battery_voltage_under(&battery, &config, JP_Q16(20000), &voltage));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(24) - voltage, jp_battery_lacks(&battery, &config, JP_Q16(20000)));
+    config.voltage_designed = JP_Q16(12);
+    TEST_ASSERT_EQUAL_INT32(0, jp_battery_lacks(&battery, &config, JP_Q16(20)));
+    config.voltage_designed = 0;
+    TEST_ASSERT_EQUAL_INT32(0, jp_battery_lacks(&battery, &config, JP_Q16(20)));
+}
+
 static void test_power_and_voltage_are_of_each_other(void)
 {
     start(CAPACITY * COULOMB / 2);

@@ -10,7 +10,7 @@ static uint32_t random_state = 1;
 
 void setUp(void)
 {
-    factor = jp_home_factor_new;
+    factor = jp_home_learned_new.out;
     random_state = 20261126;
 }
 
@@ -18,9 +18,11 @@ void tearDown(void)
 {
 }
 
+/** Of drives as long as ten steps. */
 static void learn(jp_q16 taken, jp_q16 energy, jp_q16 deviation)
 {
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_factor_learn(&factor, taken, &(struct jp_forecast){energy, deviation}));
+    TEST_ASSERT_EQUAL_INT(JP_OK,
+                          jp_home_factor_learn(&factor, taken, &(struct jp_forecast){energy, deviation}, energy));
 }
 
 static void test_refuses_what_teaches_nothing(void)
@@ -29,26 +31,62 @@ static void test_refuses_what_teaches_nothing(void)
     const struct jp_forecast nothing = {0, JP_Q16(1)};
     const struct jp_forecast wrong = {JP_Q16(10), -1};
 
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_factor_learn(NULL, JP_Q16(10), &good));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_factor_learn(&factor, JP_Q16(10), NULL));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_factor_learn(&factor, 0, &good));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_factor_learn(&factor, JP_Q16(10), &nothing));
-    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_factor_learn(&factor, JP_Q16(10), &wrong));
-    TEST_ASSERT_EQUAL_INT32(jp_home_factor_new.mean, factor.mean);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_factor_learn(NULL, JP_Q16(10), &good, JP_Q16(1)));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_factor_learn(&factor, JP_Q16(10), NULL, JP_Q16(1)));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_factor_learn(&factor, 0, &good, JP_Q16(1)));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_factor_learn(&factor, JP_Q16(10), &nothing, JP_Q16(1)));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_factor_learn(&factor, JP_Q16(10), &wrong, JP_Q16(1)));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_home_factor_learn(&factor, JP_Q16(10), &good, 0));
+    TEST_ASSERT_EQUAL_INT32(jp_home_learned_new.out.mean, factor.mean);
 }
 
 static void test_a_new_robot_takes_what_is_forecast_give_or_take(void)
 {
-    /* √(0.1² + 0.1²) of 100 J, beside 5 J of the learner. */
-    const struct jp_forecast way = jp_home_factor_way(&factor, &(struct jp_forecast){JP_Q16(100), JP_Q16(5)});
+    /* Of 100 J, of which ten steps take 25: 10 by the mean, 20 by a drive of 0.4, beside 5.5 J of the learner. */
+    const struct jp_forecast way =
+        jp_home_factor_way(&factor, &(struct jp_forecast){JP_Q16(100), JP_Q16(5)}, JP_Q16(25));
 
-    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), JP_Q16(105), way.energy);
-    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.02), JP_Q16(15.086), way.deviation);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.01), JP_Q16(110), way.energy);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.02), JP_Q16(23.028), way.deviation);
+}
+
+static void test_drives_home_are_surer_than_drives_out(void)
+{
+    const struct jp_forecast forecast = {JP_Q16(100), 0};
+    const struct jp_forecast out = jp_home_factor_way(&jp_home_learned_new.out, &forecast, JP_Q16(25));
+    const struct jp_forecast back = jp_home_factor_way(&jp_home_learned_new.back, &forecast, JP_Q16(25));
+
+    TEST_ASSERT_TRUE(back.energy < out.energy && back.deviation < out.deviation);
+}
+
+/* Four times as far is twice as uncertain by what disturbs drives. */
+static void test_what_disturbs_a_drive_adds_up(void)
+{
+    factor.deviation = 1;
+    const struct jp_forecast once = jp_home_factor_way(&factor, &(struct jp_forecast){JP_Q16(100), 0}, JP_Q16(25));
+    const struct jp_forecast four = jp_home_factor_way(&factor, &(struct jp_forecast){JP_Q16(400), 0}, JP_Q16(25));
+
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.02), 2 * once.deviation, four.deviation);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.02), JP_Q16(20), once.deviation);
+}
+
+/* And so a long drive that takes a tenth more tells more of the noise than a short one. */
+static void test_a_long_drive_that_differs_tells_more(void)
+{
+    struct jp_home_factor of_long = factor;
+
+    factor.noise = JP_Q16(0.2);
+    of_long.noise = JP_Q16(0.2);
+    learn(JP_Q16(130), JP_Q16(100), 0);
+    TEST_ASSERT_EQUAL_INT(
+        JP_OK, jp_home_factor_learn(&of_long, JP_Q16(1300), &(struct jp_forecast){JP_Q16(1000), 0}, JP_Q16(100)));
+    TEST_ASSERT_TRUE(of_long.noise > factor.noise);
+    TEST_ASSERT_TRUE(of_long.deviation < factor.deviation);
 }
 
 static void test_nothing_takes_nothing(void)
 {
-    const struct jp_forecast way = jp_home_factor_way(&factor, &(struct jp_forecast){0, 0});
+    const struct jp_forecast way = jp_home_factor_way(&factor, &(struct jp_forecast){0, 0}, JP_Q16(10));
 
     TEST_ASSERT_EQUAL_INT32(0, way.energy);
     TEST_ASSERT_EQUAL_INT32(0, way.deviation);
@@ -64,7 +102,7 @@ static void test_learns_a_factor_that_all_drives_have(void)
     }
     TEST_ASSERT_INT32_WITHIN(JP_Q16(0.02), JP_Q16(1.25), factor.mean);
     TEST_ASSERT_TRUE(factor.noise < before / 2);
-    TEST_ASSERT_TRUE(factor.deviation < jp_home_factor_new.deviation / 2);
+    TEST_ASSERT_TRUE(factor.deviation < jp_home_learned_new.out.deviation / 2);
 }
 
 /* Evenly between 0.8 and 1.2: a deviation of 0.4/√12. */
@@ -83,13 +121,15 @@ static void test_learns_how_far_drives_differ(void)
 
 static void test_a_forecast_that_is_not_sure_teaches_little(void)
 {
-    struct jp_home_factor sure = jp_home_factor_new;
+    struct jp_home_factor sure;
 
-    TEST_ASSERT_EQUAL_INT(JP_OK,
-                          jp_home_factor_learn(&sure, JP_Q16(120), &(struct jp_forecast){JP_Q16(100), JP_Q16(1)}));
+    factor.noise = JP_Q16(0.1);
+    sure = factor;
+    TEST_ASSERT_EQUAL_INT(
+        JP_OK, jp_home_factor_learn(&sure, JP_Q16(120), &(struct jp_forecast){JP_Q16(100), JP_Q16(1)}, JP_Q16(100)));
     learn(JP_Q16(120), JP_Q16(100), JP_Q16(40));
-    TEST_ASSERT_TRUE(factor.mean > jp_home_factor_new.mean);
-    TEST_ASSERT_TRUE(factor.mean - jp_home_factor_new.mean < (sure.mean - jp_home_factor_new.mean) / 4);
+    TEST_ASSERT_TRUE(factor.mean > jp_home_learned_new.out.mean);
+    TEST_ASSERT_TRUE(factor.mean - jp_home_learned_new.out.mean < (sure.mean - jp_home_learned_new.out.mean) / 4);
     TEST_ASSERT_TRUE(factor.deviation > sure.deviation);
     learn(JP_Q16(120), JP_Q16(100), INT32_MAX);
     TEST_ASSERT_TRUE(factor.mean < sure.mean);
@@ -98,7 +138,7 @@ static void test_a_forecast_that_is_not_sure_teaches_little(void)
 static void expect_in_range(void)
 {
     TEST_ASSERT_TRUE(factor.mean >= JP_Q16(0.5) && factor.mean <= JP_Q16(2));
-    TEST_ASSERT_TRUE(factor.deviation > 0 && factor.deviation <= jp_home_factor_new.deviation);
+    TEST_ASSERT_TRUE(factor.deviation > 0 && factor.deviation <= jp_home_learned_new.out.deviation);
     TEST_ASSERT_TRUE(factor.noise >= JP_Q16(0.015625) && factor.noise <= JP_Q16_ONE);
 }
 
@@ -114,7 +154,7 @@ static void test_stays_in_its_ranges_whatever_drives_take(void)
 
         learn(taken, energy, deviation);
         expect_in_range();
-        TEST_ASSERT_TRUE(jp_home_factor_way(&factor, &forecast).deviation >= 0);
+        TEST_ASSERT_TRUE(jp_home_factor_way(&factor, &forecast, energy / 3).deviation >= 0);
     }
 }
 

@@ -79,6 +79,7 @@ static void test_drives_where_odometry_began_in_any_direction(void)
         begin(17, 6);
         TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
         expect_at(17, 6);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT(robot.legs, robot.turns); /* once a leg */
     }
 }
 
@@ -89,6 +90,56 @@ static void test_turns_to_the_heading_of_the_goal(void)
     TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
     expect_at(18, 15);
     TEST_ASSERT_UINT32_WITHIN(1U << 23, 3U * QUARTER_TURN, jp_navigator_place(&navigator).heading);
+}
+
+/* Half a degree is facing. */
+static void test_turns_again_until_it_faces(void)
+{
+    robot.turned_by = JP_ANGLE_DEGREES(0.45);
+    begin(17, 6);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_LESS_OR_EQUAL_UINT(robot.legs, robot.turns);
+    rig_reset();
+    robot.turned_by = JP_ANGLE_DEGREES(0.55);
+    begin(17, 6);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_GREATER_THAN_UINT32(robot.legs, robot.turns);
+}
+
+static void test_a_goal_begins_without_what_was_of_the_last(void)
+{
+    init();
+    navigator.replans = 3;
+    navigator.status = JP_ERR_HARDWARE;
+    navigator.reason = JP_NAVIGATOR_VEHICLE;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, go_to(SIDE, 9, 1));
+    TEST_ASSERT_EQUAL_UINT16(3, navigator.replans);
+    TEST_ASSERT_EQUAL_INT(JP_OK, go_to(9, 9, JP_ANY_HEADING));
+    TEST_ASSERT_EQUAL_UINT16(0, navigator.replans);
+    TEST_ASSERT_EQUAL_INT(JP_OK, navigator.status);
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_NO_REASON, navigator.reason);
+}
+
+/* Where the place of the robot has no room for the planner, the nearest cell has that is on the far side. */
+static void test_plans_from_a_cell_near_the_robot(void)
+{
+    static const struct {
+        int32_t obstacle[2];
+        int32_t start[2];
+    } cases[] = {{{6, 4}, {3, 3}}, {{2, 4}, {5, 3}}, {{4, 6}, {3, 3}}, {{4, 2}, {3, 5}}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        rig_reset();
+        /* The disc is clear by 5 mm, the cell that it stands on is not. */
+        origin.point.x += (4 - cases[i].obstacle[0]) * JP_Q16(0.015);
+        origin.point.y += (4 - cases[i].obstacle[1]) * JP_Q16(0.015);
+        put_column(cases[i].obstacle[0], cases[i].obstacle[1], cases[i].obstacle[1], JP_CELL_OCCUPIED);
+        begin(18, 15);
+        TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_JOINING));
+        TEST_ASSERT_EQUAL_INT(cases[i].start[0], navigator.internal.start.x);
+        TEST_ASSERT_EQUAL_INT(cases[i].start[1], navigator.internal.start.y);
+        TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    }
 }
 
 static void test_turns_where_it_is(void)
@@ -240,6 +291,55 @@ static void test_says_that_the_goal_cannot_be_reached_any_more(void)
     }
     TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_UNREACHABLE));
     TEST_ASSERT_EQUAL_INT(JP_VEHICLE_STANDING, robot.view.phase);
+}
+
+/* A wall of cells x, from one edge of the map to the other, while it drives. */
+static void wall_off(int32_t x)
+{
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    (void)jp_navigator_work(&navigator);
+    for (int32_t y = 0; y < SIDE; y++) {
+        occupy(x, y);
+    }
+}
+
+/* The wall is a cell and a half from the goal: its nearest standing place is a cell this side of the goal. */
+static void test_a_goal_that_is_blocked_on_the_way_is_covered(void)
+{
+    config.radius = JP_Q16(0.2);
+    begin(17, 10);
+    wall_off(19);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(16, 10);
+    TEST_ASSERT_EQUAL_INT16(17, navigator.internal.asked.x);
+    TEST_ASSERT_EQUAL_INT16(16, navigator.internal.goal.x);
+}
+
+static void test_a_goal_that_is_free_again_is_gone_to(void)
+{
+    config.radius = JP_Q16(0.2);
+    begin(17, 10);
+    wall_off(19);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_JOINING));
+    (void)jp_navigator_work(&navigator);
+    TEST_ASSERT_EQUAL_INT16(16, navigator.internal.goal.x);
+    for (int32_t y = 0; y < SIDE; y++) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_navigator_set_cell(&navigator, 19, y, JP_CELL_FREE));
+    }
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(17, 10);
+}
+
+static void test_a_goal_that_nothing_covers_any_more_cannot_be_reached(void)
+{
+    config.radius = JP_Q16(0.2);
+    begin(17, 10);
+    wall_off(17);
+    for (int32_t y = 0; y < SIDE; y++) {
+        occupy(15, y);
+    }
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_UNREACHABLE));
+    TEST_ASSERT_EQUAL_INT16(17, navigator.internal.goal.x);
 }
 
 static void test_plans_anew_when_the_map_changes_before_it_drives(void)
