@@ -5420,6 +5420,8 @@ int jp_can_sim_time_pack(
     dst_p[4] |= pack_left_shift_u8(src_p->power, 0u, 0x01u);
     dst_p[4] |= pack_left_shift_u8(src_p->bus_off, 1u, 0x02u);
     dst_p[4] |= pack_left_shift_u8(src_p->reset, 2u, 0x04u);
+    dst_p[6] |= pack_left_shift_u16(src_p->rate, 0u, 0xffu);
+    dst_p[7] |= pack_right_shift_u16(src_p->rate, 8u, 0xffu);
 
     return (8);
 }
@@ -5440,6 +5442,8 @@ int jp_can_sim_time_unpack(
     dst_p->power = unpack_right_shift_u8(src_p[4], 0u, 0x01u);
     dst_p->bus_off = unpack_right_shift_u8(src_p[4], 1u, 0x02u);
     dst_p->reset = unpack_right_shift_u8(src_p[4], 2u, 0x04u);
+    dst_p->rate = unpack_right_shift_u16(src_p[6], 0u, 0xffu);
+    dst_p->rate |= unpack_left_shift_u16(src_p[7], 8u, 0xffu);
 
     return (0);
 }
@@ -5493,6 +5497,16 @@ bool jp_can_sim_time_reset_is_in_range(uint8_t value)
 bool jp_can_sim_time_reset_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 1.0));
+}
+
+bool jp_can_sim_time_rate_is_in_range(uint16_t value)
+{
+    return (value >= 1u);
+}
+
+bool jp_can_sim_time_rate_is_in_phys_range(double value)
+{
+    return ((value >= 1.0) && (value <= 65535.0));
 }
 
 int jp_can_sim_done_pack(

@@ -675,6 +675,7 @@ extern "C" {
 #define JP_CAN_SIM_TIME_POWER_NAME "Power"
 #define JP_CAN_SIM_TIME_BUS_OFF_NAME "BusOff"
 #define JP_CAN_SIM_TIME_RESET_NAME "Reset"
+#define JP_CAN_SIM_TIME_RATE_NAME "Rate"
 #define JP_CAN_SIM_DONE_TICK_NAME "Tick"
 
 /**
@@ -2951,6 +2952,15 @@ struct jp_can_sim_time_t {
      * Offset: 0
      */
     uint8_t reset;
+
+    /**
+     * Of the ticks. Who tells the time by them leaves out a message without it.
+     *
+     * Range: 1..65535 (1..65535 Hz)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t rate;
 };
 
 /**
@@ -9511,6 +9521,28 @@ bool jp_can_sim_time_reset_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool jp_can_sim_time_reset_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_sim_time_rate_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_sim_time_rate_is_in_phys_range(double value);
 
 /**
  * Pack message SimDone.

@@ -7,7 +7,8 @@
  * the lattice, and one of a route leads to where it saves most against the route, by the prices of the lattice: of
  * length, of what the ground rises by, and of the route's turns. The disc is the one in which the robot turns, so that
  * it may turn at every waypoint. Where the route begins too near to obstacles for the margin, the first line does
- * without it.
+ * without it, and where they overlap the disc, which they do by as much as the robot does not know where they are, it
+ * comes no nearer to them.
  *
  * A robot that does not stop at a waypoint leaves the lines on either side, by a length that its trajectory tells
  * (jp_trajectory_leg_extent()): jp_course_is_clear() says whether there is room for that.
@@ -32,7 +33,7 @@ extern "C" {
 /** A line to a waypoint. */
 struct jp_course_leg {
     struct jp_point end; /**< m from the south-west corner of the map */
-    jp_q16 margin;       /**< that is kept of config.margin, m: all, or nothing of it on the first line */
+    jp_q16 margin;       /**< that is kept, m: config.margin; on the first line it may be jp_course_room() */
     jp_q16 aside;        /**< the caller's: how far the robot leaves the line beside that, m */
     jp_q16 beyond;       /**< the caller's: how far it goes beyond the end, m */
     uint8_t slower;      /**< the caller's, of the run that ends there */
@@ -118,6 +119,10 @@ struct jp_point jp_course_begin(const struct jp_course *course, unsigned index);
 
 /** Leg `index` begins elsewhere; so the one before it ends there. */
 void jp_course_begin_at(struct jp_course *course, unsigned index, const struct jp_point *begin);
+
+/** The margin that a robot has where it stands: 0 or, where its disc overlaps what is blocked, less, down to minus a
+ * cell, m. Work: eight looks as jp_course_is_clear(), of a line without length. */
+jp_q16 jp_course_room(const struct jp_course *course, const struct jp_point *from);
 
 /** True when the disc, with the leg's margin and what the robot leaves it aside, can be moved from `from` to the end of
  *  leg `index` and beyond. Work: the cells round the line, 64 at a time, and a distance for each blocked one among

@@ -16,6 +16,10 @@
  * would wait longer than `patience` for one, it drives a way of few steps instead (lattice_way.h). The course up to the
  * goal is surveyed before the robot moves, so that what it takes is known: jp_navigator_progress().
  *
+ * What the robot sees is on the map where its odometry puts it, and a drift of a decimetre may push a wall onto the
+ * goal. Where the goal's cell is blocked on its way, the robot goes to the nearest one from which its disc still covers
+ * it.
+ *
  * Points are m from the south-west corner of the map. Where the robot's odometry began on the map is told at the start.
  * Integers only: the same bits on every core. Nothing here is for ISRs.
  */
@@ -57,7 +61,7 @@ enum jp_navigator_state {
     JP_NAVIGATOR_TURNING,     /**< on the spot, towards the next leg or, at the goal, to its heading */
     JP_NAVIGATOR_DRIVING,     /**< along the course */
     JP_NAVIGATOR_BRAKING,     /**< to a stand, for which it plans anew meanwhile */
-    JP_NAVIGATOR_ARRIVED,     /**< stands at the goal */
+    JP_NAVIGATOR_ARRIVED,     /**< stands at the goal or, where that was blocked on the way, over it */
     JP_NAVIGATOR_UNREACHABLE, /**< proved: no route leads to the goal on this map */
     JP_NAVIGATOR_FAILED       /**< see the reason */
 };
@@ -114,7 +118,8 @@ struct jp_navigator_internal {
     struct jp_place origin;  /**< of odometry, on the map */
     struct jp_ground ground; /**< as odometry counts */
     struct jp_point stand;   /**< from which was planned last, m */
-    struct jp_goal goal;
+    struct jp_goal asked;    /**< for */
+    struct jp_goal goal;     /**< that it goes to */
     struct jp_navigator_survey survey;
     struct jp_way_cell start;          /**< from which was planned last */
     const struct jp_pose_field *field; /**< along which the goal is gone to, or null */

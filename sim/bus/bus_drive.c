@@ -66,7 +66,8 @@ static void send_time(struct bus_drive *drive, uint32_t tick)
     const struct jp_can_sim_time_t signals = {.tick = tick,
                                               .power = tick != TICK_POWER_OFF,
                                               .reset = drive->conditions.ecu_reset,
-                                              .bus_off = drive->conditions.ecu_bus_off};
+                                              .bus_off = drive->conditions.ecu_bus_off,
+                                              .rate = (uint16_t)plant_node_rate(&drive->plant)};
     struct jp_can_frame frame = {.id = JP_CAN_SIM_TIME_FRAME_ID, .length = JP_CAN_SIM_TIME_LENGTH};
 
     (void)jp_can_sim_time_pack(frame.data, &signals, sizeof frame.data);

@@ -10,6 +10,7 @@
 
 #define SAY_AGAIN_US 1000000U
 #define US_PER_MS    1000U
+#define US_PER_S     1000000U
 
 /* LCM to CAN. */
 
@@ -108,16 +109,16 @@ static void set_time(struct lcm_gateway *gateway, uint64_t time_us)
     gateway->time_us = time_us;
 }
 
-/** Without power the ECU gets a tick that says nothing of the time. */
+/** Without power the ECU gets a tick that says nothing of the time, and nobody knows when a tick without a rate is. */
 static void take_sim_time(struct lcm_gateway *gateway, const struct jp_can_frame *frame)
 {
     struct jp_can_sim_time_t time;
 
-    if (jp_can_sim_time_unpack(&time, frame->data, frame->length) != 0 || time.power == 0U) {
+    if (jp_can_sim_time_unpack(&time, frame->data, frame->length) != 0 || time.power == 0U || time.rate == 0U) {
         return;
     }
     gateway->lockstep = true;
-    set_time(gateway, (uint64_t)time.tick * JP_CAN_MOTOR_COMMAND_CYCLE_TIME_MS * US_PER_MS);
+    set_time(gateway, (uint64_t)time.tick * US_PER_S / time.rate);
     tick(gateway);
 }
 

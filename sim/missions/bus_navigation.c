@@ -15,11 +15,13 @@
 #define MAP_ID 1
 
 /* Of the signals. */
-#define JOULE   4294967296.0
-#define Q3_ONE  8.0
-#define Q4_ONE  16.0
-#define Q6_ONE  64.0
-#define Q16_ONE 65536.0
+#define JOULE      4294967296.0
+#define Q3_ONE     8.0
+#define Q4_ONE     16.0
+#define Q6_ONE     64.0
+#define Q16_ONE    65536.0
+#define POSE_METRE 65536.0
+#define POSE_TURN  4096.0
 
 struct run {
     struct bus_navigation *navigation;
@@ -47,6 +49,19 @@ static struct clearance_pose pose_of(const struct run *run)
     }
     plant_node_look(node, &truth);
     return (struct clearance_pose){truth.x, truth.y, truth.heading};
+}
+
+/** Where the ECU takes the robot to be on the map. */
+static struct jp_place believed_of(const struct run *run)
+{
+    const struct jp_can_pose_t *told = &run->navigation->drive.view.pose;
+    const double c = cos(run->start.heading);
+    const double s = sin(run->start.heading);
+    const double x = told->x / POSE_METRE;
+    const double y = told->y / POSE_METRE;
+
+    return navigation_place(&(struct clearance_pose){run->start.x + x * c - y * s, run->start.y + x * s + y * c,
+                                                     run->start.heading + told->heading / POSE_TURN * 2 * M_PI});
 }
 
 /* What the ECU tells. */
@@ -143,7 +158,9 @@ static void look(struct run *run)
     struct navigation_result *result = &run->navigation->result;
     const struct clearance_pose pose = pose_of(run);
 
-    navigation_look(run->task, &pose, result, tell, run);
+    const struct jp_place believed = believed_of(run);
+
+    navigation_look(run->task, &pose, &believed, result, tell, run);
     navigation_measure(run->task, &run->body, &pose, result);
     result->length_m += hypot(pose.x - run->before.x, pose.y - run->before.y);
     run->before = pose;

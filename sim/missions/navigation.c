@@ -319,7 +319,11 @@ static void tick(struct navigation *navigation, uint64_t tick)
     if (tick % (rate / SENSOR_RATE) == 0) {
         const struct clearance_pose pose = pose_of(navigation);
 
-        navigation_look(navigation->task, &pose, navigation->result, tell, navigation);
+        const struct jp_place believed = jp_navigator_place(&navigation->navigator);
+
+        navigation_look(navigation->task, &pose, &believed, navigation->result, tell, navigation);
+        navigation->result->drift_m =
+            fmax(navigation->result->drift_m, hypot(pose.x - believed.point.x / Q16, pose.y - believed.point.y / Q16));
         navigation_measure(navigation->task, &navigation->robot->body, &pose, navigation->result);
         navigation->result->length_m += hypot(pose.x - navigation->before.x, pose.y - navigation->before.y);
         navigation->before = pose;

@@ -49,22 +49,92 @@ double navigation_goal_error(const struct navigation_task *task, const struct cl
     return hypot(pose->x - (task->goal.x + 0.5) * cell, pose->y - (task->goal.y + 0.5) * cell);
 }
 
-static bool is_seen(const struct navigation_task *task, const struct clearance_pose *from, int x, int y)
+/** Of a cell's side, to either side of its middle: a blocked cell is free when nothing is there, so that it does not
+ * come and go with every millimetre. */
+#define CLEARLY 0.25
+
+/** Where the cells of the robot's map truly are: it takes itself to be elsewhere than it is. */
+struct shift {
+    const struct clearance_pose *from; /**< where it truly is */
+    struct clearance_pose believed;
+    double c, s; /**< of the angle from believed to true */
+    double cell;
+};
+
+static struct shift shift_of(const struct navigation_task *task, const struct clearance_pose *from,
+                             const struct jp_place *believed)
 {
-    const double cell = cell_of(task);
-    const double dx = (x + 0.5) * cell - from->x;
-    const double dy = (y + 0.5) * cell - from->y;
-    const int steps = (int)ceil(2 * hypot(dx, dy) / cell);
+    const double heading = (int32_t)believed->heading * RADIANS;
+    const double turn = from->heading - heading;
 
-    for (int i = 1; i < steps; i++) {
-        const int u = (int)floor((from->x + dx * i / steps) / cell);
-        const int v = (int)floor((from->y + dy * i / steps) / cell);
+    return (struct shift){.from = from,
+                          .believed = {believed->point.x / Q16, believed->point.y / Q16, heading},
+                          .c = cos(turn),
+                          .s = sin(turn),
+                          .cell = cell_of(task)};
+}
 
-        if ((u != x || v != y) && jp_terrain_cell(task->solid, u, v) == JP_CELL_OCCUPIED) {
+/** The true place of a point of the map, in cells. */
+static void true_place(const struct shift *shift, double x, double y, double place[2])
+{
+    const double dx = x * shift->cell - shift->believed.x;
+    const double dy = y * shift->cell - shift->believed.y;
+
+    place[0] = (shift->from->x + dx * shift->c - dy * shift->s) / shift->cell;
+    place[1] = (shift->from->y + dx * shift->s + dy * shift->c) / shift->cell;
+}
+
+static enum jp_cell cell_at(const struct navigation_task *task, const struct shift *shift, double x, double y)
+{
+    double place[2];
+
+    true_place(shift, x, y, place);
+    return jp_terrain_cell(task->world, (int)floor(place[0]), (int)floor(place[1]));
+}
+
+static bool is_clearly_free(const struct navigation_task *task, const struct shift *shift, int x, int y)
+{
+    for (int i = 0; i < 4; i++) {
+        const double u = x + 0.5 + (i % 2 == 0 ? CLEARLY : -CLEARLY);
+        const double v = y + 0.5 + (i / 2 == 0 ? CLEARLY : -CLEARLY);
+
+        if (cell_at(task, shift, u, v) == JP_CELL_OCCUPIED) {
             return false;
         }
     }
     return true;
+}
+
+/** What the robot takes a cell of its map to be, if it sees it. */
+static enum jp_cell cell_seen(const struct navigation_task *task, const struct shift *shift, int x, int y)
+{
+    const enum jp_cell was = jp_terrain_cell(task->map, x, y);
+    const enum jp_cell is = cell_at(task, shift, x + 0.5, y + 0.5);
+
+    return was != JP_CELL_OCCUPIED || is == JP_CELL_OCCUPIED || is_clearly_free(task, shift, x, y) ? is : was;
+}
+
+/** Nothing stands before it. */
+static bool is_in_view(const struct navigation_task *task, const struct shift *shift, int x, int y)
+{
+    double to[2];
+
+    true_place(shift, x + 0.5, y + 0.5, to);
+
+    const double from[2] = {shift->from->x / shift->cell, shift->from->y / shift->cell};
+    const double distance = hypot(to[0] - from[0], to[1] - from[1]);
+    const int steps = (int)ceil(2 * distance);
+
+    for (int i = 1; i < steps; i++) {
+        const int u = (int)floor(from[0] + (to[0] - from[0]) * i / steps);
+        const int v = (int)floor(from[1] + (to[1] - from[1]) * i / steps);
+        const bool is_its_own = fabs(u + 0.5 - to[0]) < 1 && fabs(v + 0.5 - to[1]) < 1;
+
+        if (!is_its_own && jp_terrain_cell(task->solid, u, v) == JP_CELL_OCCUPIED) {
+            return false;
+        }
+    }
+    return distance * shift->cell <= task->view_m;
 }
 
 static void note_sight(const struct navigation_task *task, struct navigation_result *result, int x, int y)
@@ -78,21 +148,19 @@ static void note_sight(const struct navigation_task *task, struct navigation_res
 }
 
 void navigation_look(const struct navigation_task *task, const struct clearance_pose *from,
-                     struct navigation_result *result, bool (*tell)(void *context, int x, int y, enum jp_cell cell),
-                     void *context)
+                     const struct jp_place *believed, struct navigation_result *result,
+                     bool (*tell)(void *context, int x, int y, enum jp_cell cell), void *context)
 {
-    const double cell = cell_of(task);
-    const int reach = (int)ceil(task->view_m / cell);
-    const int x = (int)floor(from->x / cell);
-    const int y = (int)floor(from->y / cell);
+    const struct shift shift = shift_of(task, from, believed);
+    const int reach = (int)ceil(task->view_m / shift.cell);
+    const int x = (int)floor(shift.believed.x / shift.cell);
+    const int y = (int)floor(shift.believed.y / shift.cell);
 
     for (int v = y - reach; v <= y + reach; v++) {
         for (int u = x - reach; u <= x + reach; u++) {
-            const enum jp_cell is = jp_terrain_cell(task->world, u, v);
-            const double distance = hypot((u + 0.5) * cell - from->x, (v + 0.5) * cell - from->y);
+            const enum jp_cell is = cell_seen(task, &shift, u, v);
 
-            if (is != jp_terrain_cell(task->map, u, v) && distance <= task->view_m && is_seen(task, from, u, v) &&
-                tell(context, u, v, is)) {
+            if (is != jp_terrain_cell(task->map, u, v) && is_in_view(task, &shift, u, v) && tell(context, u, v, is)) {
                 note_sight(task, result, u, v);
             }
         }

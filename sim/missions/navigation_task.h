@@ -88,6 +88,7 @@ struct navigation_result {
     double aside_m;      /**< most that it was beside its leg, beyond what the corners cut */
     double goal_error_m; /**< from the goal cell's centre */
     double deviation_m;  /**< of its position then, as its odometry tells; 0: it does not */
+    double drift_m;      /**< most that it took itself to be elsewhere than it was */
     double length_m;     /**< driven */
     double seconds;
     double joules;          /**< of the energy that the vehicle's model counts */

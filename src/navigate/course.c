@@ -9,6 +9,9 @@
 /** So many steps in a row are looked at beyond one that no line leads to. */
 #define MISSES_MAX 8U
 
+/** In which less room is looked for, of a cell. */
+#define ROOM_STEPS 8
+
 /** Of a capsule, cells. */
 #define RADIUS_MAX 64
 
@@ -240,10 +243,11 @@ static void look(struct jp_course *course)
 static void retry(struct jp_course *course)
 {
     struct jp_course_internal *internal = &course->internal;
+    const jp_q16 room = course->count == 0U ? jp_course_room(course, &internal->start) : internal->margin;
 
-    if (course->count == 0U && internal->margin > 0) {
+    if (room < internal->margin) {
         internal->candidate = internal->first;
-        internal->margin = 0;
+        internal->margin = room;
         internal->misses = 0;
         look(course);
     } else {
@@ -343,6 +347,19 @@ static struct jp_point beyond(const struct jp_course *course, unsigned index)
 
     return (struct jp_point){jp_add(leg->end.x, jp_multiply_shift(leg->beyond, jp_cos(direction), 31)),
                              jp_add(leg->end.y, jp_multiply_shift(leg->beyond, jp_sin(direction), 31))};
+}
+
+jp_q16 jp_course_room(const struct jp_course *course, const struct jp_point *from)
+{
+    const jp_q16 radius = course->config.radius;
+    const jp_q16 cell = course->config.terrain->config.resolution;
+    const jp_q16 least = radius - cell / 4 < cell ? cell / 4 - radius : -cell;
+    jp_q16 room = 0;
+
+    while (room > least && !is_clear(course, from, from, radius + room)) {
+        room -= cell / ROOM_STEPS;
+    }
+    return room > least ? room : least;
 }
 
 bool jp_course_is_clear(const struct jp_course *course, unsigned index, const struct jp_point *from)

@@ -7,6 +7,7 @@
 #include "src/base/point.h"
 #include "src/map/capsule.h"
 #include "src/navigate/navigator_frame.h"
+#include "src/navigate/navigator_goal.h"
 #include "src/navigate/navigator_survey.h"
 
 /** Cells round the robot in which a place to plan from is looked for. */
@@ -65,14 +66,16 @@ static void plan_anew(struct jp_navigator *navigator, enum jp_navigator_reason r
 
 /* Planning. */
 
-/** True when the robot can get from where it is to a cell near it in a straight line. */
+/** True when the robot can get from where it is to a cell near it in a straight line, no nearer to anything than it is.
+ */
 static bool can_reach(const struct jp_navigator *navigator, const struct jp_place *place,
                       const struct jp_lattice_pose *pose)
 {
     const struct jp_terrain *terrain = jp_planner_terrain(navigator->config.planner);
     const jp_q16 cell = terrain->config.resolution;
     const struct jp_point centre = {pose->x * cell + cell / 2, pose->y * cell + cell / 2};
-    const struct jp_capsule capsule = {.from = place->point, .to = centre, .radius = navigator->config.radius};
+    const jp_q16 room = jp_course_room(&navigator->internal.course, &place->point);
+    const struct jp_capsule capsule = {.from = place->point, .to = centre, .radius = navigator->config.radius + room};
 
     return jp_capsule_is_clear(terrain, &capsule);
 }
@@ -204,8 +207,20 @@ static bool has_field(const struct jp_navigator *navigator, const struct jp_plac
            jp_pose_field_cost(navigator->internal.field, pose.x, pose.y, pose.heading) != JP_COST_MAX;
 }
 
+/** A goal that was blocked since is moved to where the robot still covers it, and back once it is free. */
+static void adapt_goal(struct jp_navigator *navigator)
+{
+    const struct jp_goal goal = jp_navigator_choose_goal(navigator);
+    const bool is_another = goal.x != navigator->internal.goal.x || goal.y != navigator->internal.goal.y;
+
+    if (is_another && jp_planner_set_goal(navigator->config.planner, &goal) == JP_OK) {
+        navigator->internal.goal = goal;
+    }
+}
+
 static bool begin_search(struct jp_navigator *navigator, const struct jp_place *place)
 {
+    adapt_goal(navigator);
     navigator->internal.was_told = true;
     navigator->internal.spent = 0;
     navigator->internal.search = JP_NAVIGATOR_ROUTE;
@@ -702,6 +717,7 @@ enum jp_status jp_navigator_go(struct jp_navigator *navigator, const struct jp_g
     if (status == JP_OK) {
         navigator->replans = 0;
         navigator->status = JP_OK;
+        navigator->internal.asked = *goal;
         navigator->internal.goal = *goal;
         navigator->internal.field = NULL;
         enter(navigator, phase == JP_VEHICLE_STANDING ? JP_NAVIGATOR_PLANNING : JP_NAVIGATOR_BRAKING,

@@ -281,16 +281,21 @@ static void test_any_frame_is_borne(void)
     TEST_ASSERT_EQUAL_INT(JP_OPERATOR_IDLE, gateway.operator.commander.phase);
 }
 
-static void simulate(uint32_t from, uint32_t until)
+static void simulate_at(uint16_t rate, uint32_t from, uint32_t until)
 {
     for (uint32_t tick = from; tick < until; tick++) {
-        PUT(SIM_TIME, sim_time, .tick = tick, .power = 1);
+        PUT(SIM_TIME, sim_time, .tick = tick, .power = 1, .rate = rate);
         if (tick % 20 == 0) {
             PUT(MOTORS, motors, .voltage_left = 1);
         }
         lcm_gateway_pass(&gateway, now_us);
         drain();
     }
+}
+
+static void simulate(uint32_t from, uint32_t until)
+{
+    simulate_at(1000, from, until);
 }
 
 static void test_in_lockstep_time_is_that_of_the_simulation(void)
@@ -301,6 +306,21 @@ static void test_in_lockstep_time_is_that_of_the_simulation(void)
     TEST_ASSERT_EQUAL_INT64(1000980000, state.utime);
 }
 
+static void test_in_lockstep_a_tick_lasts_as_long_as_it_says(void)
+{
+    simulate_at(100, 1000, 1100);
+    pass();
+    TEST_ASSERT_EQUAL_INT64(10800000, state.utime);
+}
+
+static void test_ticks_that_do_not_say_how_long_they_last_are_no_time(void)
+{
+    simulate_at(0, 1000, 1100);
+    TEST_ASSERT_FALSE(gateway.lockstep);
+    pass();
+    TEST_ASSERT_TRUE(state.utime <= (int64_t)now_us);
+}
+
 static void test_another_simulation_begins_at_0_again_and_the_task_outlasts_it(void)
 {
     simulate(50000, 50100);
@@ -308,7 +328,7 @@ static void test_another_simulation_begins_at_0_again_and_the_task_outlasts_it(v
     pass();
     TEST_ASSERT_EQUAL_INT(0, lcm_publish(lcm, "JP_ROUTE", sound_route.bytes, (unsigned)sound_route.size));
     pass();
-    PUT(SIM_TIME, sim_time, .tick = UINT32_MAX, .power = 0);
+    PUT(SIM_TIME, sim_time, .tick = UINT32_MAX, .power = 0, .rate = 1000);
     simulate(0, 1000);
     pass();
     TEST_ASSERT_EQUAL_UINT(5 + 50, states);

@@ -1,6 +1,7 @@
 #include "tests/support/navigate_trial.h"
 
 #include <joulepath/tables.h>
+#include <math.h>
 
 #include "sim/missions/navigation_sight.h"
 
@@ -64,14 +65,32 @@ bool navigate_is_reachable(const struct navigate_robot *robot, struct jp_terrain
     return answer == JP_ANSWER_OPTIMAL || answer == JP_ANSWER_WITHIN_BOUND;
 }
 
+static bool can_stand(const struct navigation_task *task)
+{
+    for (uint8_t i = 0; i < JP_HEADINGS; i++) {
+        if (jp_lattice_can_stand(task->lattice, task->world, task->goal.x, task->goal.y, i)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /** A robot that stands at the goal has shown that it can be reached, also where no route from cell to cell leads there:
- *  its lines need not pass through the middles of cells. */
-static bool is_as_it_must_be(const struct navigate_trial *trial)
+ *  its lines need not pass through the middles of cells. A goal without room for it is to be covered by its disc. */
+static bool is_as_it_must_be(const struct navigation_task *task, const struct navigate_trial *trial)
 {
     const struct navigation_result *result = &trial->result;
+    const double beside = can_stand(task) ? 0 : trial->radius_m;
 
-    return result->state == JP_NAVIGATOR_ARRIVED ? result->goal_error_m < ARRIVED_MAX
+    return result->state == JP_NAVIGATOR_ARRIVED ? result->goal_error_m < ARRIVED_MAX + beside
                                                  : !trial->is_reachable && result->state == JP_NAVIGATOR_UNREACHABLE;
+}
+
+static bool drive(const struct navigation_task *task, const struct navigation_robot *driven,
+                  struct navigate_trial *trial)
+{
+    trial->radius_m = hypot(driven->body.length_m, driven->body.width_m) / 2;
+    return navigation_run(task, driven, &trial->result);
 }
 
 static bool drive_balancer(const struct navigation_task *task, const struct navigate_robot *robot,
@@ -83,7 +102,7 @@ static bool drive_balancer(const struct navigation_task *task, const struct navi
 
     return navigation_balancer_init(&balancer, robot->entry, &robot->file, &start, task->seed, JP_PILOT_MOTORS,
                                     &driven) &&
-           navigation_run(task, &driven, &trial->result);
+           drive(task, &driven, trial);
 }
 
 static bool drive_skid(const struct navigation_task *task, const struct navigate_robot *robot,
@@ -94,7 +113,7 @@ static bool drive_skid(const struct navigation_task *task, const struct navigate
     struct navigation_robot driven;
 
     return navigation_skid_init(&skid, robot->skid, &robot->model, task->world, NULL, &start, task->seed, &driven) &&
-           navigation_run(task, &driven, &trial->result);
+           drive(task, &driven, trial);
 }
 
 bool navigate_trial_run(struct navigate_trial *trial, const struct navigate_robot *robot, uint64_t seed, double view_m,
@@ -118,7 +137,7 @@ bool navigate_trial_run(struct navigate_trial *trial, const struct navigate_robo
 
         trial->is_reachable = navigate_is_reachable(robot, &dense.world, &dense.start, &dense.goal);
         is_done = robot->skid != NULL ? drive_skid(&task, robot, trial) : drive_balancer(&task, robot, trial);
-        trial->is_right = !trial->result.is_touched && is_as_it_must_be(trial);
+        trial->is_right = !trial->result.is_touched && is_as_it_must_be(&task, trial);
     }
     dense_map_free(&dense);
     return is_done;

@@ -19,6 +19,7 @@ struct navigate_robot {
 struct navigate_trial {
     bool is_reachable; /**< in the world, by a planner that has memory for all of it */
     bool is_right;     /**< it touched nothing, and arrived, or said so where no route leads to the goal */
+    double radius_m;   /**< of the disc in which the robot turns */
     struct navigation_result result;
 };
 

@@ -99,12 +99,14 @@ def test_another_map_begins_anew(log, tmp_path):
     assert len(found.way) == 1 and not found.courses and not found.changes
 
 
-def test_time_is_that_of_the_simulation(log, tmp_path):
-    log.tell("SimTime", Tick=5000)
+@pytest.mark.parametrize("rate", (1000, 100))
+def test_time_is_that_of_the_simulation(log, tmp_path, rate):
+    log.tell("SimTime", Tick=5 * rate, Rate=rate)
     log.send_map()
-    log.tell("SimTime", Tick=7500)
+    log.tell("SimTime", Tick=7 * rate, Rate=rate)
+    log.tell("SimTime", Tick=9 * rate)  # who does not say how long a tick lasts is no clock
     drive(log)
-    assert converted(log, tmp_path)[2].way[0][0] == pytest.approx(2.5)
+    assert converted(log, tmp_path)[2].way[0][0] == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize("make", [drive, lambda log: log.send_map(damage=1), lambda log: log.send_map(order=[0, 2, 3])])

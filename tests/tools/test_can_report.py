@@ -140,11 +140,11 @@ def test_in_lockstep_the_simulation_tells_the_time(drive, converted):
     """A hundred times faster than real time, after a wait for the ECU."""
     converted(drive)
     before = summary_of(converted.out)["strategies"]
-    frames, last = [telemetry("SimTime", Tick=0xFFFFFFFF)], None
+    frames, last = [telemetry("SimTime", Tick=0xFFFFFFFF, Rate=1000)], None
     for frame in drive:
         tick = round((frame.timestamp - 1000) * 1000)
         if tick != last:
-            frames.append(telemetry("SimTime", Tick=tick, Power=1))
+            frames.append(telemetry("SimTime", Tick=tick, Power=1, Rate=1000))
         frames.append(frame)
         last = tick
     frames = [moved(frame, timestamp=5e8 + i * 1e-5) for i, frame in enumerate(frames)]

@@ -26,6 +26,7 @@ def robot_path(robot):
 
 
 BALANCER, SKID_STEER, DIFFERENTIAL_DRIVE = TYPES = "balancer", "skid_steer", "differential_drive"
+FOUR_WHEEL = "four_wheel"  # whose groups are others
 
 
 class Robot:

@@ -142,7 +142,20 @@ PATROL_ROBOT      = $(if $(filter file,$(origin ROBOT)),patrol,$(ROBOT))
 PATROL_MAP  = $(if $(filter file,$(origin MAP)),,$(MAP))
 
 .PHONY: patrol
-patrol: ## drive the patrol robot (SCENE=name SEED=1, or MAP=file START=x,y,deg GOAL=x,y,deg), by itself or over BUS=in-process or pil; report in build/patrol
+ifeq ($(WORLD),mujoco)
+# Over MAP alone: scenes and people are our world's. CONDITIONS are options of tools.mujoco.patrol.
+patrol:
+	$(if $(PATROL_MAP),,$(error WORLD=mujoco: give MAP, START and GOAL))
+	$(if $(BUS),$(error WORLD=$(WORLD) has a bus of its own; leave BUS out))
+	@tools/setup.sh design mujoco
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-ecu $(BUILD)/bin/jp-robot
+	@rm -rf $(BUILD)/patrol
+	$(PYTHON) -m tools.design.import_map $(MAP) $(BUILD)/patrol/map.json --resolution 0.05 $(IMPORT)
+	$(PYTHON) -m tools.mujoco.patrol $(BUILD)/patrol/map.json $(PLAN_TASK) --robot $(PATROL_ROBOT) --seed $(SEED) \
+	    --output $(BUILD)/patrol $(CONDITIONS)
+else
+patrol: ## drive the patrol robot (SCENE=name SEED=1, or MAP=file START=x,y,deg GOAL=x,y,deg), by itself or over BUS=in-process or pil, or over a MAP in WORLD=mujoco; report in build/patrol
+	$(if $(WORLD),$(error WORLD=$(WORLD): must be mujoco, or left out))
 	$(if $(PATROL.$(BUS)),,$(error BUS=$(BUS): must be in-process or pil))
 	@tools/setup.sh sil $(if $(PATROL_MAP),design) $(SETUP.$(BUS))
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-patrol $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(PATROL_ROBOT)/emulated.elf)
@@ -151,6 +164,7 @@ patrol: ## drive the patrol robot (SCENE=name SEED=1, or MAP=file START=x,y,deg 
 	$(PATROL.$(BUS)) $(if $(PATROL_MAP),--map=$(BUILD)/patrol/map.json $(PLAN_TASK) $(NAVIGATE),$(SCENE)) --seed=$(SEED) \
 	    --output $(BUILD)/patrol; status=$$?; \
 	    [ $$status -le 1 ] && $(if $(BUS),true,$(PYTHON) -m tools.report.patrol_report $(BUILD)/patrol) && exit $$status
+endif
 
 # The courier unless another one is asked for. CAMPAIGN holds options of tools.campaign.campaign, such as
 # --faults or --fresh.

@@ -28,6 +28,7 @@ COMMAND = "make bench-mujoco"
 
 ROBOTS = ("courier24", "gao2018", "burger", "zhang2018")  # those that jp-ecu drives
 NAVIGATORS = ("courier24", "burger")                      # and those to a goal on a map
+PATROL, PATROL_SLOPE = "patrol", 3.0  # which needs walls to see; °, a ramp for wheelchairs
 
 SLOPE = 10.0        # ° of a balancer's; other robots' files say what they drive
 STEP = 0.005        # m
@@ -45,6 +46,7 @@ TURN = 80.0                 # ° from a segment to the next at most, and limits.
 
 COURSES, LEARNED_COURSES = 12, 6  # over a map, and those before it has learned
 COURSE_SECONDS = 10.0             # from the middle of the map to its edge
+HALL, HALL_CELL, HALL_BOXES, HALL_BOX = (16.0, 12.0), 0.05, 8, (0.3, 1.0)  # m; of the patrol robot
 PUSHES = (0.25, 0.5, 0.75)        # of what the robot takes in our world
 
 # Share of what left the cells that the ledger may miss.
@@ -205,6 +207,54 @@ def navigate(task):
     return {"kind": kind, "robot": name, "case": case, "courses": forecasts.courses, **result}
 
 
+def hall(draw):
+    """Walls around boxes at random places, as cells."""
+    columns, rows = (round(side / HALL_CELL) for side in HALL)
+    cells = np.zeros((rows, columns), dtype=int)
+    cells[[0, -1]] = cells[:, [0, -1]] = map_stream.OCCUPIED
+    for _ in range(HALL_BOXES):
+        wide, high = (round(draw.uniform(*HALL_BOX) / HALL_CELL) for _ in range(2))
+        x, y = draw.randrange(columns - wide), draw.randrange(rows - high)
+        cells[y:y + high, x:x + wide] = map_stream.OCCUPIED
+    return map_stream.CellMap(cells, HALL_CELL, map_stream.Place(0, 0))
+
+
+def free_cell(draw, cells, room):
+    """(column, row) with so many free cells to every side."""
+    while True:
+        y, x = draw.randrange(room, cells.shape[0] - room), draw.randrange(room, cells.shape[1] - room)
+        if not cells[y - room:y + room + 1, x - room:x + room + 1].any():
+            return x, y
+
+
+def patrol(task):
+    """Courses to random goals in a hall with boxes."""
+    kind, name, case, conditions_now, seed, _ = task
+    robot, draw = load_robot(name), random.Random(3000 + seed)
+    cell_map = hall(draw)
+    # What the robot takes when it turns, and the clearance that it keeps.
+    room = math.ceil((math.hypot(robot.number("body.length_m"), robot.number("body.width_m")) / 2 +
+                      robot.number("band.clearance_m")) / HALL_CELL)
+    x, y = free_cell(draw, cell_map.cells, room)
+    start = map_stream.Place((x + 0.5) * HALL_CELL, (y + 0.5) * HALL_CELL)
+    stream = map_stream.encode(cell_map, start)
+    forecasts, failure = Forecasts("EnergyDrawn"), None
+    with Drive(robot, conditions_now, watch=forecasts, place=(cell_map, start)) as drive:
+        try:
+            for _ in range(SEGMENTS):
+                drive.stand()
+                forecasts.begin(drive.operator.state)
+                column, row = free_cell(draw, cell_map.cells, room)
+                drive.operator.navigate(stream, {"Column": column, "Row": row, "HasHeading": 1,
+                                                 "Heading": draw.randrange(-2048, 2048) / 4096})
+                drive.operator.hold(1.0)
+                forecasts.end(drive.operator.state)
+        except RobotError as error:
+            failure = str(error)
+        result = result_of(drive, failure)
+    return {"kind": kind, "robot": name, "case": case, "courses": forecasts.courses, **result}
+
+
 def push(task):
     """Whether the robot stands again after a push of so many newton seconds, both ways."""
     kind, name, case, conditions_now, impulse, options = task
@@ -222,7 +272,7 @@ def push(task):
 
 
 def do(task):
-    return {"push": push, "navigate": navigate}.get(task[0], drive_route)(task)
+    return {"push": push, "navigate": navigate, "patrol": patrol}.get(task[0], drive_route)(task)
 
 
 def our_push(name):
@@ -245,6 +295,10 @@ def tasks():
         if name in NAVIGATORS:
             for seed in range(1, WORLDS + 1):
                 yield "navigate", name, f"seed {seed}", random_conditions(robot, seed), seed, ()
+    weight = load_robot(PATROL).number("body.mass_kg")
+    for seed, (case, conditions_now) in enumerate({"level": Conditions(), "payload": Conditions(payload=PAYLOAD * weight),
+                                                   "slope": Conditions(Ground(math.radians(PATROL_SLOPE)))}.items(), start=1):
+        yield "patrol", PATROL, case, conditions_now, seed, ()
 
 
 # ---- figures -------------------------------------------------------------------------------------------------------
@@ -275,6 +329,9 @@ def drive_figures(rows):
                  none())
     yield figure("cases of slopes, steps, slippery ground, poor parts and payloads", len(cases))
     yield figure("of those, not driven", sum(row["failure"] is not None for row in cases), "", none())
+    patrols = [row for row in rows if row["kind"] == "patrol"]
+    yield figure("courses of the patrol robot in halls with boxes", SEGMENTS * len(patrols))
+    yield figure("of those courses, not driven", sum(SEGMENTS - len(row["courses"]) for row in patrols), "", none())
     yield figure("falls in all drives", sum(row["fell"] for row in rows if row["kind"] != "push"), "", none())
     yield figure("pushes that our world's robots take, and these do not", sum(row["failure"] is not None for row in pushes),
                  "", none())
@@ -288,6 +345,11 @@ def learning_figures(rows):
         if before and after:
             yield figure(f"{name}: forecast of a first segment against spent, mean", statistics.mean(before), "%", at_most(5))
             yield figure(f"{name}: the same after {LEARNED} segments", statistics.mean(after), "%", at_most(1.5))
+    for case in (row for row in rows if row["kind"] == "patrol"):
+        missed = [100 * abs(energy / spent - 1) for energy, _, spent in case["courses"][LEARNED:]]
+        if missed:
+            yield figure(f"patrol robot, {case['case']}: forecast of a course after {LEARNED}, mean error",
+                         statistics.mean(missed), "%", at_most(1.5))
     courses = [course for row in rows if row["kind"] == "navigate" for course in row["courses"][LEARNED_COURSES:]]
     if courses:
         inside = [abs(energy - spent) <= 1.96 * deviation for energy, deviation, spent in courses]
@@ -360,9 +422,9 @@ def print_rows(rows):
 
 def main():
     parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("--kind", choices=("mission", "case", "push", "learn", "navigate"), action="append",
+    parser.add_argument("--kind", choices=("mission", "case", "push", "learn", "navigate", "patrol"), action="append",
                         help="only these")
-    parser.add_argument("--robot", choices=ROBOTS, action="append", help="only these")
+    parser.add_argument("--robot", choices=(*ROBOTS, PATROL), action="append", help="only these")
     parser.add_argument("--jobs", type=whole_number(1, 256), default=int(os.environ.get("JOBS", 1)))
     options = parser.parse_args()
     chosen = [task for task in tasks() if task[0] in (options.kind or task) and task[1] in (options.robot or task)]

@@ -97,3 +97,74 @@ class SkidDrive:
         energies["supply"] += seconds * self.inner * current ** 2
         energies["electronics"] += seconds * self.power
         return torques, gears, [self.rolling * load * self.radius for load in loads]
+
+
+class SteeredDrive:
+    """Servos of speed and of steering (sim/four_wheel/four_wheel_plant.c): each motor has a gear with an efficiency, that of
+    steering a worm, which holds its angle without current. Braking gives back what the gear and the windings leave."""
+
+    LOSSES = ("electronics", "copper", "gear", "friction")
+
+    INTEGRAL_TIMES = 8  # as much slower acts the speed servo's integral than its proportion
+
+    def __init__(self, robot, steered_inertia, steering_torque):
+        """`steering_torque`: of its motor, N·m."""
+        number = robot.number
+        self.radius, self.friction = number("wheel.radius_m"), number("drive.friction_nm_s_per_rad")
+        self.rolling, self.torque = number("tyre.rolling"), number("drive.torque_nm")
+        spin = number("wheel.inertia_kg_m2") / self.radius ** 2
+        self._time = number("drive.time_constant_s")
+        self.gain = (number("body.mass_kg") / 4 + spin) * self.radius / self._time
+        self.steer_time, self.steer_rate = number("steering.time_constant_s"), number("steering.rate_rad_s")
+        self.limit = math.radians(number("steering.limit_deg"))
+        self._steered_inertia, self._steering_torque = steered_inertia, steering_torque
+        self._motor, self._steer = ([number(f"{group}.{key}") for key in ("efficiency", "torque_constant_nm_a",
+                                                                          "resistance_ohm")]
+                                    for group in ("drive", "steering"))
+        self.bus_voltage, self.power = number("electronics.voltage_v"), number("electronics.power_w")
+        self.energies = dict.fromkeys(self.LOSSES, 0.0)
+        self.battery = 0.0
+        self._integrals = [0.0] * 4  # of the errors of speed, m
+
+    def step(self, targets, rates, angles, steer_rates, loads, seconds):
+        """Of each wheel the torques of driving and steering, and its dry friction. `targets`: speeds of the treads in m/s and
+        angles; rates of the wheels, their angles and the rates of these."""
+        drives, steers = [], []
+        for i, (speed, angle) in enumerate(zip(*targets)):
+            drive = self._speed_servo(i, speed - self.radius * rates[i], seconds)
+            steer = self._steering_servo(angle - angles[i], steer_rates[i], seconds)
+            self._take(drive, rates[i], self._motor, seconds)
+            # A worm is not driven from behind: what the ground turns it with is lost, and costs nothing.
+            if steer * steer_rates[i] > 0:
+                self._take(steer, steer_rates[i], self._steer, seconds)
+            else:
+                self.energies["gear"] -= seconds * steer * steer_rates[i]
+            self.energies["friction"] += seconds * self.friction * rates[i] ** 2
+            drives.append(drive - self.friction * rates[i])
+            steers.append(steer)
+        self.battery += seconds * self.power
+        self.energies["electronics"] += seconds * self.power
+        return drives, steers, [self.rolling * load * self.radius for load in loads]
+
+    def _speed_servo(self, i, error, seconds):
+        wanted = self.gain * (error + self._integrals[i] / (self.INTEGRAL_TIMES * self._time))
+        torque = min(max(wanted, -self.torque), self.torque)
+        if wanted == torque or wanted * error < 0:
+            self._integrals[i] += seconds * error
+        return torque
+
+    def _steering_servo(self, error, rate, seconds):
+        """As stiff as the step allows: what turns with the wheel follows the rate of the servo within a few steps."""
+        wanted = min(max(error / self.steer_time, -self.steer_rate), self.steer_rate)
+        torque = self._steered_inertia / (2 * seconds) * (wanted - rate)
+        return min(max(torque, -self._steering_torque), self._steering_torque)
+
+    def _take(self, torque, rate, motor, seconds):
+        """Out of the battery, or back into it."""
+        efficiency, constant, resistance = motor
+        work = torque * rate
+        shaft = work / efficiency if work > 0 else work * efficiency
+        copper = (torque / constant * (efficiency ** 2 if work < 0 else 1)) ** 2 * resistance
+        self.energies["gear"] += seconds * (shaft - work)
+        self.energies["copper"] += seconds * copper
+        self.battery += seconds * (shaft + copper)

@@ -12,9 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from tools.common import ArgumentParser, ToolError, run, shown_path, write_whole
+from tools.mujoco.articulation import WALL_GROUP
 
 FRAMES, COLUMNS = 8, 2
 WIDTH, HEIGHT = 640, 300
+ELEVATION, ABOVE_WALLS = -18, -50  # of the camera's view, °
 STATES_NAME, FILM_NAME = "film.npz", "film.png"
 
 RENDERED, DRAWN = "rendered by MuJoCo", "drawn from the states: neither EGL nor OSMesa can render here"
@@ -42,15 +44,18 @@ def render(directory):
         renderer = mujoco.Renderer(model, HEIGHT, WIDTH)
     except Exception as error:  # whatever the library of this machine raises
         raise ToolError(f"MUJOCO_GL={os.environ.get('MUJOCO_GL')}: {error}") from None
-    camera = mujoco.MjvCamera()
-    size = 2.2 * float(np.abs(model.geom_pos).max() + model.geom_rbound[model.geom_rbound < 10].max())
+    camera, seen = mujoco.MjvCamera(), mujoco.MjvOption()
+    seen.geomgroup[WALL_GROUP] = 1
+    robot = model.geom_bodyid > 0
+    size = 2.2 * float(np.abs(model.geom_pos[robot]).max() + model.geom_rbound[robot].max())
+    elevation = ABOVE_WALLS if (model.geom_group == WALL_GROUP).any() else ELEVATION
     frames = []
     for qpos in states["qpos"]:
         data.qpos[:] = qpos
         mujoco.mj_forward(model, data)
         camera.lookat[:] = data.qpos[:3]
-        camera.distance, camera.azimuth, camera.elevation = 2.2 * size, 60, -18
-        renderer.update_scene(data, camera)
+        camera.distance, camera.azimuth, camera.elevation = 2.2 * size, 60, elevation
+        renderer.update_scene(data, camera, seen)
         frames.append(renderer.render().copy())
     return frames, states["times"]
 

@@ -56,6 +56,12 @@ class Message:
             word |= (raw & mask) << start
         return bytearray(word.to_bytes(self.length, "little"))
 
+    def checked(self, data):
+        """Its signals; None where the data are not what was sent."""
+        if len(data) != self.length or not e2e_p02_check(data, self.ids, length=len(data)):
+            return None
+        return self.unpack(data)
+
     def unpack(self, data):
         word = int.from_bytes(data, "little")
         result = {}
@@ -63,6 +69,41 @@ class Message:
             raw = word >> start & mask
             result[name] = (raw - mask - 1 if signed and raw > high else raw) / ones
         return result
+
+
+class SidesLink:
+    """The samples and commands of a robot with two bridges."""
+
+    def __init__(self, world):
+        self._world, self._counter = world, 0
+        self._wheels, self._balance, self._currents = map(Message, (*GROUPS["CurrentSensors"], "CurrentSensors"))
+        self._command = Message("MotorCommand")
+
+    def sample(self):
+        """The frames of this tick."""
+        signals = self._world.read()
+        signals["SampleCounter"] = signals["Counter"] = self._counter
+        parts = [message.pack(signals, ("EncoderLeft", "EncoderRight")) for message in
+                 (self._currents, self._wheels, self._balance)]
+        whole = parts[0] + parts[1] + parts[2]
+        # Protecting counts on: the parts bear the number that the whole is given.
+        self._counter = (self._counter + 1) % 16
+        whole[8] = whole[8] & 0xF0 | self._counter
+        whole[16] = whole[16] & 0xF0 | self._counter
+        e2e_p02_protect(whole, self._currents.ids)
+        return [(self._wheels.id, bytes(whole[8:16])), (self._balance.id, bytes(whole[16:24])),
+                (self._currents.id, bytes(whole[0:8]))]
+
+    def obey(self, id, data):
+        """True when it was a command and is obeyed."""
+        signals = self._command.checked(data) if id == self._command.id else None
+        if signals is None:
+            return False
+        self._world.command(signals["Enabled"], signals["DutyLeft"], signals["DutyRight"])
+        return True
+
+    def switch_off(self):
+        self._world.command(False, 0.0, 0.0)
 
 
 class Line:
@@ -101,18 +142,17 @@ def framed(seconds, id, data):
 
 
 class Lockstep:
-    """A world and its ECU. `log` is called with seconds, id and bytes of every frame, `each_tick` after each tick,
+    """A world, its link and its ECU. `log` is called with seconds, id and bytes of every frame, `each_tick` after each tick,
     `listen` with
     what an operator sends or hears, and the last sample before it, as frames of python-can. `trouble` tells why the ECU
     cannot answer."""
 
-    def __init__(self, world, line, log=None, each_tick=None, listen=None, trouble=lambda: None):
+    def __init__(self, world, link, line, log=None, each_tick=None, listen=None, trouble=lambda: None):
         self.world, self._line, self._log, self._each_tick, self._listen = world, line, log, each_tick, listen
-        self._trouble = trouble
+        self._link, self._trouble = link, trouble
         self._last_sample = []
-        self._wheels, self._balance, self._currents = map(Message, (*GROUPS["CurrentSensors"], "CurrentSensors"))
-        self._command, self._time, self._done = map(Message, ("MotorCommand", "SimTime", "SimDone"))
-        self._counter, self._silence = 0, 0
+        self._time, self._done = map(Message, ("SimTime", "SimDone"))
+        self._silence = 0
         self._outbox, self._inbox = [], deque()
         self._heard = {message.frame_id for message in database().messages if "OPERATOR" in message.receivers}
         self._began = False
@@ -142,29 +182,15 @@ class Lockstep:
             self._exchange([], POWER_OFF)
             self._began = True
         frames, self._outbox = self._outbox, []
-        self._last_sample = self._sample()
+        self._last_sample = self._link.sample()
         self._exchange(frames + self._last_sample, self.world.tick & 0x7FFFFFFF)
         self._watch_silence()
         self.world.step()
         if self._each_tick is not None:
             self._each_tick()
 
-    def _sample(self):
-        signals = self.world.read()
-        signals["SampleCounter"] = signals["Counter"] = self._counter
-        parts = [message.pack(signals, ("EncoderLeft", "EncoderRight")) for message in
-                 (self._currents, self._wheels, self._balance)]
-        whole = parts[0] + parts[1] + parts[2]
-        # Protecting counts on: the parts bear the number that the whole is given.
-        self._counter = (self._counter + 1) % 16
-        whole[8] = whole[8] & 0xF0 | self._counter
-        whole[16] = whole[16] & 0xF0 | self._counter
-        e2e_p02_protect(whole, self._currents.ids)
-        return [(self._wheels.id, bytes(whole[8:16])), (self._balance.id, bytes(whole[16:24])),
-                (self._currents.id, bytes(whole[0:8]))]
-
     def _exchange(self, frames, tick):
-        frames = frames + [(self._time.id, bytes(self._time.pack({"Tick": tick, "Power": int(tick != POWER_OFF)})))]
+        frames = frames + [(self._time.id, self._time_of(tick))]
         self._note(frames)
         self._line.send(frames)
         waited = 0.0
@@ -176,16 +202,19 @@ class Lockstep:
             if reason is not None:
                 raise ToolError(f"ECU: {reason}")
 
+    def _time_of(self, tick):
+        return bytes(self._time.pack({"Tick": tick, "Power": int(tick != POWER_OFF), "Rate": self.world.rate}))
+
     def _take(self, tick):
         """What has come; True when the ECU is done with the tick. It may not have been there when it was asked."""
         frames = self._line.receive(ASK_AGAIN)
         if not frames:
-            self._line.send([(self._time.id, bytes(self._time.pack({"Tick": tick, "Power": int(tick != POWER_OFF)})))])
+            self._line.send([(self._time.id, self._time_of(tick))])
         self._note(frames)
         done = False
         for id, data in frames:
-            if id == self._command.id:
-                self._obey(data)
+            if self._link.obey(id, data):
+                self._silence = -1
             elif id == self._done.id:
                 done = done or self._done.unpack(data)["Tick"] == tick
             elif id in self._heard:
@@ -200,16 +229,10 @@ class Lockstep:
                 self._listen(framed(self.seconds, *part))
             self._listen(frame)
 
-    def _obey(self, data):
-        if len(data) == self._command.length and e2e_p02_check(data, self._command.ids, length=len(data)):
-            signals = self._command.unpack(data)
-            self.world.command(signals["Enabled"], signals["DutyLeft"], signals["DutyRight"])
-            self._silence = -1
-
     def _watch_silence(self):
         self._silence += 1
         if self._silence > HOLD * self.world.rate:
-            self.world.command(False, 0.0, 0.0)
+            self._link.switch_off()
 
     def _note(self, frames):
         if self._log is not None:

@@ -11,7 +11,8 @@ import mujoco
 import numpy as np
 
 from tools.design import robot_json
-from tools.mujoco.articulation import IMPEDANCE, STICKING, STIFFEST, TIMESTEP, articulated, model_xml, spring
+from tools.mujoco.articulation import (CONTACT_ROWS, IMPEDANCE, SCRUB_ROWS, STICKING, STIFFEST, TIMESTEP, articulated,
+                                       model_xml, spring)
 from tools.mujoco.drives import SIDES, BalancerDrive, SkidDrive
 from tools.mujoco.ground import GRAVITY, Ground
 from tools.mujoco.instruments import Instruments, duty
@@ -33,28 +34,26 @@ class Conditions:
     seed: int = 1
 
 
-class World:
-    """A robot at rest at the origin; a balancer is held upright until its bridges first drive."""
+class Articulated:
+    """A robot of a file on its wheels, its contacts and its ledger; `start` is its pose on the plane. What drives and what
+    measures are those of its kind."""
 
     ROWS_MAX = 1000  # of constraints
 
-    def __init__(self, robot, conditions):
-        self.balances = robot.type == robot_json.BALANCER
-        self.rate = robot.number("control.rate_hz")
+    balances = held = touched = False  # a balancer is held upright until its bridges first drive
+
+    def __init__(self, robot, conditions, drive, rate, start=(0.0, 0.0, 0.0), walls=()):
+        self.rate, self.drive, self.start = rate, drive, start
         self.conditions, self.tick, self.fallen = conditions, 0, False
         self._robot = articulated(robot, conditions.sinking)
         self.xml = model_xml(self._robot, conditions.ground, conditions.backlash,
-                             robot.given("accelerometer.height_m", 0.0))
+                             robot.given("accelerometer.height_m", 0.0), walls)
         self.model = mujoco.MjModel.from_xml_string(self.xml)
         self.data = mujoco.MjData(self.model)
-        self.drive = (BalancerDrive if self.balances else SkidDrive)(robot)
-        self._instruments = Instruments(robot, conditions.seed, conditions.delay)
-        self._bits = int(robot.number("pwm.bits"))
         self._substeps = math.ceil(1 / self.rate / TIMESTEP - 1e-9)
         self.model.opt.timestep = 1 / self.rate / self._substeps
         self._find_parts()
         self._load_body(conditions.payload)
-        self._duties, self._driven, self.held = [0.0, 0.0], False, self.balances
         self._push = (0.0, 0.0, 0)
         self.contact = {"normal": 0.0, "slip": 0.0, "gear": 0.0, "stops": 0.0}
         self.pushed = 0.0
@@ -68,17 +67,18 @@ class World:
         self._wheel_bodies = [model.body(f"wheel{i}").id for i in range(len(wheels))]
         self._tyres = [model.geom(f"tyre{i}").id for i in range(len(wheels))]
         self._wheel_of = {geom: i for i, geom in enumerate(self._tyres)}
-        motors = [model.joint(f"motor{i}").id for i in range(len(wheels))]
-        self._wheel_dofs = [int(model.jnt_dofadr[joint]) for joint in motors]
-        first = [next(i for i, wheel in enumerate(wheels) if wheel.side == side) for side in SIDES]
+        joints = [model.joint(f"motor{i}").id for i in range(len(wheels))]
+        self._wheel_dofs = [int(model.jnt_dofadr[joint]) for joint in joints]
+        motors = sorted({wheel.motor for wheel in wheels})
+        first = [next(i for i, wheel in enumerate(wheels) if wheel.motor == motor) for motor in motors]
         self._motor_dofs = [self._wheel_dofs[i] for i in first]
-        self._motor_angles = [int(model.jnt_qposadr[motors[i]]) for i in first]
-        self._sides = [wheel.side for wheel in wheels]
+        self._blocked_dofs = list(self._wheel_dofs)  # while it settles
+        self._motor_angles = [int(model.jnt_qposadr[joints[i]]) for i in first]
+        self._contact_rows = CONTACT_ROWS if wheels[0].scrub is None else SCRUB_ROWS
         self._play = [int(model.jnt_dofadr[model.joint(f"play{i}").id]) if self.conditions.backlash and i in first else None
                       for i in range(len(wheels))]
         first_wheel = [self._wheel_dofs[i] for i in first]
         self._spins = [[dof] + ([self._play[i]] if self._play[i] is not None else []) for i, dof in zip(first, first_wheel)]
-        self._has_joints = bool(self.conditions.backlash) or not self.balances
         self._loads = [0.0] * len(wheels)
         self._softness = [0.0] * len(wheels)  # of their friction
         self._axes = self.data.xmat[self._body].reshape(3, 3)  # of the body, by column, in the world
@@ -93,22 +93,20 @@ class World:
         mujoco.mj_setConst(self.model, self.data)
 
     def _place(self):
-        """On its wheels: a balancer upright, another robot as it sinks in."""
-        up = self.conditions.ground.up()
+        """On its wheels."""
         self.data.qpos[2] = self._robot.radius - self._robot.wheels[0].sinking
-        if self.balances:
-            pitch = math.atan2(up[0], up[2])
-            self.data.qpos[3:7] = (math.cos(pitch / 2), 0, math.sin(pitch / 2), 0)
-            mujoco.mj_forward(self.model, self.data)
-            weight = float(self.model.body_subtreemass[0]) * GRAVITY * up[2]
-            self._set_springs([weight / len(self._tyres)] * len(self._tyres))
-        else:
-            for _ in range(2):  # the loads, then the springs that are right under them
-                self._settle()
-                self._set_springs(self._loads)
-            self._settle()
+        self._stand()
         self.data.time = 0.0
         self._start = None
+
+    def _stand(self):
+        """As it sinks in."""
+        half = self.start[2] / 2
+        self.data.qpos[3:7] = (math.cos(half), 0, 0, math.sin(half))
+        for _ in range(2):  # the loads, then the springs that are right under them
+            self._settle()
+            self._set_springs(self._loads)
+        self._settle()
 
     def _set_springs(self, loads):
         """Of the tyres, each by its load; the caster's is the first tyre's."""
@@ -122,26 +120,18 @@ class World:
 
     def _settle(self):
         """With its wheels blocked, so that it stays where it is on a slope."""
-        for dof in self._wheel_dofs:
-            self.model.dof_damping[dof] = 1e3
+        self.model.dof_damping[self._blocked_dofs] = 1e3
         self.model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
         for _ in range(int(SETTLING / self.model.opt.timestep)):
             mujoco.mj_step(self.model, self.data)
             self._follow_loads(self.model.opt.timestep)
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
-        for dof in self._wheel_dofs:
-            self.model.dof_damping[dof] = 0.0
+        self.model.dof_damping[self._blocked_dofs] = 0.0
         self.data.qvel[:] = 0.0
-        self.data.qpos[0:2] = 0.0
+        self.data.qpos[0:2] = self.start[0:2]
         mujoco.mj_forward(self.model, self.data)
 
     # ---- what acts
-
-    def command(self, enabled, left, right):
-        """Duties from −1 to 1 of the bus voltage."""
-        self._driven = bool(enabled)
-        self._duties = [duty(left, self._bits), duty(right, self._bits)] if enabled else [0.0, 0.0]
-        self.held = self.held and not enabled
 
     def push(self, newton, turning, ticks):
         """A force at the body's centre of mass along its heading, and a torque to the left, N·m."""
@@ -160,33 +150,14 @@ class World:
 
     def _substep(self):
         data, seconds = self.data, self.model.opt.timestep
-        if self.held:
-            self._drive_balancer([0.0, 0.0], [0.0, 0.0], seconds)
-            return
         before = data.qvel.copy()
-        speeds = before.tolist()
-        rates = [speeds[dof] for dof in self._motor_dofs]
-        if self.balances:
-            self._drive_balancer(rates, [speeds[4] + sum(speeds[dof] for dof in dofs) for dofs in self._spins], seconds)
-        else:
-            self._drive_skid(rates, seconds)
+        self._act(before.tolist(), seconds)
         mujoco.mj_step(self.model, data)
         self._book((before + data.qvel) / 2, seconds)
 
-    def _drive_balancer(self, rates, wheels, seconds):
-        torques, rolling = self.drive.step(self._duties, self._driven, rates, wheels, seconds)
-        axle = self._axes[:, 1]
-        for side in SIDES:
-            self.data.qfrc_applied[self._motor_dofs[side]] = torques[side]
-            self.data.xfrc_applied[self._wheel_bodies[side], 3:6] = rolling[side] * axle
-
-    def _drive_skid(self, rates, seconds):
-        self._follow_loads(seconds)
-        loads = [sum(load for load, of in zip(self._loads, self._sides) if of == side) for side in SIDES]
-        torques, gears, rolling = self.drive.step(self._duties, self._driven, rates, loads, seconds)
-        for side in SIDES:
-            self.data.qfrc_applied[self._motor_dofs[side]] = torques[side]
-            self.model.dof_frictionloss[self._motor_dofs[side]] = gears[side] + rolling[side]
+    def _act(self, speeds, seconds):
+        """The torques of this step, at the speeds of all joints."""
+        raise NotImplementedError
 
     def _follow_loads(self, seconds):
         """N; dry friction follows them within LOAD_TIME."""
@@ -203,7 +174,7 @@ class World:
     def _set_grip(self):
         """Of each tyre: friction by the patch on which it is; how it creeps by how fast it rolls."""
         patches, parts = self.conditions.ground.patches, len(self.conditions.ground.names())
-        creeps = self._robot.wheels[0].slip_stiffness is not None
+        creeps = self._robot.wheels[0].creeps
         if creeps:
             rates = self._creep_rates()
         for i, wheel in enumerate(self._robot.wheels):
@@ -215,12 +186,12 @@ class World:
                 self.model.pair_solreffriction[pairs, 1] = -IMPEDANCE * rates[i]
 
     def _creep_rates(self):
-        """MuJoCo's friction is force = rate/R · slip below the cone, and settles with the rate; the tyre's is load ·
-        stiffness · slip/speed. R is one of all contacts: by it the mean of the tyres settles with SETTLING_RATE."""
+        """MuJoCo's friction is force = rate/R · slip below the cone, and settles with the rate; the tyre's is creep ·
+        slip. R is one of all contacts: by it the mean of the tyres settles with SETTLING_RATE."""
         fastest, option = -STICKING[1] / IMPEDANCE, self.model.opt
         speeds = [max(abs(float(self.data.qvel[dof])) * wheel.radius, 1e-6)
                   for dof, wheel in zip(self._wheel_dofs, self._robot.wheels)]
-        wanted = [softness * load * wheel.slip_stiffness / speed for softness, load, wheel, speed in
+        wanted = [softness * wheel.creep(load, speed) for softness, load, wheel, speed in
                   zip(self._softness, self._loads, self._robot.wheels, speeds)]
         option.impratio = min(max(sum(wanted) / len(wanted) / SETTLING_RATE, 1.0), STIFFEST)
         return [min(rate / option.impratio, fastest) for rate in wanted]
@@ -237,17 +208,17 @@ class World:
     # ---- the ledger
 
     def _book(self, velocity, seconds):
-        """Constraints come as equalities, dry friction, limits, and contacts of three rows each."""
+        """Constraints come as equalities, dry friction, limits, and contacts of some rows each."""
         data, contact = self.data, self.contact
         power = self._power[:data.nefc]
         mujoco.mj_mulJacVec(self.model, data, power, velocity)
         power *= data.efc_force
         friction = data.ne + data.nf
         points = friction + data.nl
-        if self._has_joints:
+        if points > 0:
             contact["gear"] -= seconds * float(power[data.ne:friction].sum())
             contact["stops"] -= seconds * float(power[:data.ne].sum() + power[friction:points].sum())
-        total, normal = float(power[points:].sum()), float(power[points::3].sum())
+        total, normal = float(power[points:].sum()), float(power[points::self._contact_rows].sum())
         contact["normal"] -= seconds * normal
         contact["slip"] -= seconds * (total - normal)
         if self._is_pushed:
@@ -281,6 +252,74 @@ class World:
         up = self.conditions.ground.up() if self.balances else (0.0, 0.0, 1.0)
         return math.acos(min(max(float(np.dot(self._axes[:, 2], up)), -1.0), 1.0))
 
+    def pose(self):
+        """x, y in m, heading in rad, on the plane."""
+        frame = self._axes
+        return float(self.data.qpos[0]), float(self.data.qpos[1]), math.atan2(-frame[0, 1], frame[1, 1])
+
+    def pitch(self):
+        """Of the body against the vertical, forward positive."""
+        frame, up = self._axes, np.array(self.conditions.ground.up())
+        return math.atan2(-float(up @ frame[:, 0]), float(up @ frame[:, 2]))
+
+
+class World(Articulated):
+    """A balancer, or a robot that its sides steer, at rest at the origin; a balancer is held upright until its bridges
+    first drive."""
+
+    def __init__(self, robot, conditions):
+        self.balances = self.held = robot.type == robot_json.BALANCER
+        self._bits = int(robot.number("pwm.bits"))
+        self._instruments = Instruments(robot, conditions.seed, conditions.delay)
+        self._duties, self._driven = [0.0, 0.0], False
+        drive = BalancerDrive if self.balances else SkidDrive
+        super().__init__(robot, conditions, drive(robot), robot.number("control.rate_hz"))
+
+    def _stand(self):
+        if not self.balances:
+            super()._stand()
+            return
+        up = self.conditions.ground.up()
+        pitch = math.atan2(up[0], up[2])
+        self.data.qpos[3:7] = (math.cos(pitch / 2), 0, math.sin(pitch / 2), 0)
+        mujoco.mj_forward(self.model, self.data)
+        weight = float(self.model.body_subtreemass[0]) * GRAVITY * up[2]
+        self._set_springs([weight / len(self._tyres)] * len(self._tyres))
+
+    def command(self, enabled, left, right):
+        """Duties from −1 to 1 of the bus voltage."""
+        self._driven = bool(enabled)
+        self._duties = [duty(left, self._bits), duty(right, self._bits)] if enabled else [0.0, 0.0]
+        self.held = self.held and not enabled
+
+    def _substep(self):
+        if self.held:
+            self._drive_balancer([0.0, 0.0], [0.0, 0.0], self.model.opt.timestep)
+        else:
+            super()._substep()
+
+    def _act(self, speeds, seconds):
+        rates = [speeds[dof] for dof in self._motor_dofs]
+        if self.balances:
+            self._drive_balancer(rates, [speeds[4] + sum(speeds[dof] for dof in dofs) for dofs in self._spins], seconds)
+        else:
+            self._drive_skid(rates, seconds)
+
+    def _drive_balancer(self, rates, wheels, seconds):
+        torques, rolling = self.drive.step(self._duties, self._driven, rates, wheels, seconds)
+        axle = self._axes[:, 1]
+        for side in SIDES:
+            self.data.qfrc_applied[self._motor_dofs[side]] = torques[side]
+            self.data.xfrc_applied[self._wheel_bodies[side], 3:6] = rolling[side] * axle
+
+    def _drive_skid(self, rates, seconds):
+        self._follow_loads(seconds)
+        loads = [sum(load for load, wheel in zip(self._loads, self._robot.wheels) if wheel.motor == side) for side in SIDES]
+        torques, gears, rolling = self.drive.step(self._duties, self._driven, rates, loads, seconds)
+        for side in SIDES:
+            self.data.qfrc_applied[self._motor_dofs[side]] = torques[side]
+            self.model.dof_frictionloss[self._motor_dofs[side]] = gears[side] + rolling[side]
+
     def read(self):
         """The signals of a sample."""
         if self.held:
@@ -291,13 +330,3 @@ class World:
             inertial = (gyro[1], gyro[2], force[0], force[2])
         angles = [self.data.qpos[address] for address in self._motor_angles]
         return self._instruments.read(angles, inertial, self.drive.currents, self.drive.bus_voltage)
-
-    def pose(self):
-        """x, y in m, heading in rad, on the plane."""
-        frame = self._axes
-        return float(self.data.qpos[0]), float(self.data.qpos[1]), math.atan2(-frame[0, 1], frame[1, 1])
-
-    def pitch(self):
-        """Of the body against the vertical, forward positive."""
-        frame, up = self._axes, np.array(self.conditions.ground.up())
-        return math.atan2(-float(up @ frame[:, 0]), float(up @ frame[:, 2]))

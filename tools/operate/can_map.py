@@ -100,7 +100,7 @@ class Converter:
             self._takers[message.name](seconds, decoded[1])
 
     def _sim_time(self, _, signals):
-        self._clock.take(signals["Tick"])
+        self._clock.take(signals)
 
     def _offer(self, _, signals):
         self.maps.offer(signals)

@@ -98,10 +98,13 @@ class SimClock:
     """Time of the lockstep simulation, from SimTime.Tick, which wraps. It begins with the first one, at 0."""
 
     def __init__(self):
-        self._ticks, self._last = None, None
-        self._tick = database().get_message_by_name("MotorCommand").cycle_time / 1000  # s
+        self._ticks, self._last, self._rate = None, None, None
 
-    def take(self, tick):
+    def take(self, signals):
+        """Of a SimTime; who does not say how long its ticks last is no clock."""
+        if not signals["Rate"]:
+            return
+        tick, self._rate = signals["Tick"], signals["Rate"]
         half = 1 << 31
         step = 0 if self._last is None else (tick - self._last + half) % (2 * half) - half
         self._ticks, self._last = (self._ticks or 0) + step, tick
@@ -109,4 +112,4 @@ class SimClock:
     @property
     def seconds(self):
         """None before the first tick: there is no simulation, then, or not yet."""
-        return None if self._ticks is None else self._ticks * self._tick
+        return None if self._ticks is None else self._ticks / self._rate

@@ -140,7 +140,7 @@ class Converter:
     def _sim_time(self, _, signals):
         if self._clock.seconds is None:
             self.record = MissionRecord(self._source)  # what came before has other times
-        self._clock.take(signals["Tick"])
+        self._clock.take(signals)
 
     def _offer(self, _, signals):
         self._routes.offer(signals)

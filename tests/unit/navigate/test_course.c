@@ -513,11 +513,55 @@ static void test_a_begin_nearer_to_obstacles_than_the_margin(void)
     TEST_ASSERT_EQUAL_INT32(config.margin, legs[0].margin);
 }
 
-/* Nearer than the radius. */
-static void test_a_begin_without_room(void)
+/* 15 cm from a wall, with a disc of 16 cm. */
+static void test_from_within_the_radius_it_comes_no_nearer(void)
 {
     const struct jp_lattice_pose from = {4, 4, 4};
     const struct jp_point near = beside(&from, -map.resolution, 0);
+
+    put_column(1, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    plan_route(&from, &east);
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_COURSE_FOUND, join(&near));
+    TEST_ASSERT_EQUAL_INT32(jp_course_room(&course, &near), legs[0].margin);
+    TEST_ASSERT_INT32_WITHIN(map.resolution / 8, JP_Q16(-0.01), legs[0].margin);
+    TEST_ASSERT_TRUE(jp_course_is_clear(&course, 0, &near));
+    for (unsigned i = 1; i < course.count; i++) {
+        TEST_ASSERT_EQUAL_INT32(config.margin, legs[i].margin);
+    }
+}
+
+static void test_room_where_the_robot_stands(void)
+{
+    put_column(1, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    init();
+    for (jp_q16 away = 0; away < JP_Q16(0.4); away += JP_Q16(0.01)) {
+        const struct jp_point from = {2 * map.resolution + away, JP_Q16(1)};
+        const jp_q16 room = jp_course_room(&course, &from);
+        const jp_q16 beyond = config.radius - away; /* of the disc, in the wall */
+        const jp_q16 expected = beyond <= 0 ? 0 : beyond < map.resolution ? -beyond : -map.resolution;
+
+        TEST_ASSERT_INT32_WITHIN(map.resolution / 8, expected, room);
+        TEST_ASSERT_TRUE(room <= 0 && room >= -map.resolution);
+    }
+}
+
+/* Of a disc of half a cell a quarter must stay. */
+static void test_room_of_a_small_disc(void)
+{
+    const struct jp_point inside = {map.resolution + map.resolution / 2, JP_Q16(1)};
+
+    config.radius = map.resolution / 2;
+    put_column(1, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    init();
+    TEST_ASSERT_EQUAL_INT32(map.resolution / 4 - config.radius, jp_course_room(&course, &inside));
+}
+
+/* Nearer than the radius by more than a cell. */
+static void test_a_begin_without_room(void)
+{
+    const struct jp_lattice_pose from = {4, 4, 4};
+    const struct jp_point near = beside(&from, -2 * map.resolution, 0);
 
     put_column(1, 0, SIDE - 1, JP_CELL_OCCUPIED);
     plan_route(&from, &east);

@@ -242,6 +242,55 @@ static void test_says_that_the_goal_cannot_be_reached_any_more(void)
     TEST_ASSERT_EQUAL_INT(JP_VEHICLE_STANDING, robot.view.phase);
 }
 
+/* A wall of cells x, from one edge of the map to the other, while it drives. */
+static void wall_off(int32_t x)
+{
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_DRIVING));
+    (void)jp_navigator_work(&navigator);
+    for (int32_t y = 0; y < SIDE; y++) {
+        occupy(x, y);
+    }
+}
+
+/* The wall is a cell and a half from the goal: its nearest standing place is a cell this side of the goal. */
+static void test_a_goal_that_is_blocked_on_the_way_is_covered(void)
+{
+    config.radius = JP_Q16(0.2);
+    begin(17, 10);
+    wall_off(19);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(16, 10);
+    TEST_ASSERT_EQUAL_INT16(17, navigator.internal.asked.x);
+    TEST_ASSERT_EQUAL_INT16(16, navigator.internal.goal.x);
+}
+
+static void test_a_goal_that_is_free_again_is_gone_to(void)
+{
+    config.radius = JP_Q16(0.2);
+    begin(17, 10);
+    wall_off(19);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_JOINING));
+    (void)jp_navigator_work(&navigator);
+    TEST_ASSERT_EQUAL_INT16(16, navigator.internal.goal.x);
+    for (int32_t y = 0; y < SIDE; y++) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_navigator_set_cell(&navigator, 19, y, JP_CELL_FREE));
+    }
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    expect_at(17, 10);
+}
+
+static void test_a_goal_that_nothing_covers_any_more_cannot_be_reached(void)
+{
+    config.radius = JP_Q16(0.2);
+    begin(17, 10);
+    wall_off(17);
+    for (int32_t y = 0; y < SIDE; y++) {
+        occupy(15, y);
+    }
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_UNREACHABLE));
+    TEST_ASSERT_EQUAL_INT16(17, navigator.internal.goal.x);
+}
+
 static void test_plans_anew_when_the_map_changes_before_it_drives(void)
 {
     begin(18, 4);
