@@ -33,7 +33,7 @@ endif
 # Every core works unless make was called with -j.
 PARALLEL = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(JOBS)) --output-sync=target
 
-PARTS := $(addprefix tools/make/,variants.mk sources.mk build.mk drive.mk design.mk firmware.mk bench.mk install.mk python.mk page.mk test.mk fuzz.mk)
+PARTS := $(addprefix tools/make/,variants.mk sources.mk build.mk drive.mk design.mk firmware.mk bench.mk install.mk python.mk page.mk test.mk fuzz.mk mutants.mk prove.mk)
 
 .PHONY: help
 help: ## this list

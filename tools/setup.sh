@@ -11,6 +11,8 @@
 #   vcan      operate, the CAN tools and, where this kernel has no vcan, one to emulate (tools/operate/with_vcan.sh)
 #   test      all of them, the second compiler, the checkers and the RISC-V tool chain (the default)
 #   bench     what the planner is measured beside; no part of test
+#   mcdc      the compiler that measures MC/DC; no part of test
+#   prove     the analyser of `make prove`; no part of test
 # Python packages go to .venv, which later calls add to; tools/requirements-*.txt list them.
 # JP_SETUP=skip installs nothing and says what is missing, in the Python that PYTHON names. Exit status 2: something could
 # not be installed.
@@ -27,6 +29,8 @@ firmware_packages=(gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm)
 mujoco_packages=(libegl1 libgl1-mesa-dri)
 test_packages=(gcc-multilib clang cmake cppcheck musl-dev gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc)
 bench_packages=(libigraph-dev libompl-dev)
+mcdc_packages=(clang-19 libclang-rt-19-dev llvm-19)
+prove_packages=(frama-c-base)
 
 die() {
     echo "setup: $*" >&2
@@ -202,6 +206,8 @@ missing_programs() {
     ! wants python || tools+=(cmake)
     ! wants page || tools+=(clang wasm-ld)
     ! wants firmware || tools+=(arm-none-eabi-gcc qemu-system-arm)
+    ! asks mcdc || tools+=(clang-19 llvm-cov-19)
+    ! asks prove || tools+=(frama-c)
     ! wants test || tools+=(g++ clang cmake cppcheck riscv64-unknown-elf-gcc qemu-system-riscv32)
     for tool in "${tools[@]}"; do
         command -v "$tool" >/dev/null || echo "$tool"
@@ -256,8 +262,8 @@ scopes=()
 for argument in "$@"; do
     case $argument in
     --yes) yes=1 ;;
-    sil | design | operate | campaign | python | page | mujoco | firmware | vcan | test | bench) scopes+=("$argument") ;;
-    *) die "usage: tools/setup.sh [--yes] [sil|design|operate|campaign|python|page|mujoco|firmware|vcan|test|bench]..." ;;
+    sil | design | operate | campaign | python | page | mujoco | firmware | vcan | test | bench | mcdc | prove) scopes+=("$argument") ;;
+    *) die "usage: tools/setup.sh [--yes] [sil|design|operate|campaign|python|page|mujoco|firmware|vcan|test|bench|mcdc|prove]..." ;;
     esac
 done
 [ ${#scopes[@]} -gt 0 ] || scopes=(test)
@@ -271,6 +277,8 @@ requirements=(sil)
 ! wants mujoco || packages+=("${mujoco_packages[@]}")
 ! wants test || packages+=("${test_packages[@]}")
 ! asks bench || packages+=("${bench_packages[@]}")
+! asks mcdc || packages+=("${mcdc_packages[@]}")
+! asks prove || packages+=("${prove_packages[@]}")
 ! wants design mujoco || requirements+=(design)
 ! wants operate vcan mujoco || requirements+=(operate)
 ! wants campaign || requirements+=(campaign)

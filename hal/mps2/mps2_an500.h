@@ -1,5 +1,6 @@
 /** The registers of Arm's MPS2 board with the AN500 image (a Cortex-M7 with single-precision hardware) that the
- * firmware uses; names as in the application note and the architecture manual. The addresses are in mps2_an500.ld. */
+ * firmware uses; names as in the application note and the Cortex-M system design kit. The addresses are in
+ * mps2_an500.ld. */
 #ifndef JOULEPATH_HAL_MPS2_MPS2_AN500_H
 #define JOULEPATH_HAL_MPS2_MPS2_AN500_H
 
@@ -21,33 +22,37 @@ struct cmsdk_uart {
 #define UART_CTRL_RX_IRQ   (1U << 3)
 #define UART_INT_RX        (1U << 1)
 
-/** System control block. */
-struct mps2_scb {
-    uint32_t CPUID;
-    uint32_t ICSR;
-    uint32_t VTOR;
-    uint32_t AIRCR;
-    uint32_t SCR;
-    uint32_t CCR;
-    uint8_t SHPR[12]; /**< priorities of the system exceptions 4 to 15 */
+/** CMSDK APB timer: counts down from RELOAD, and interrupts at 0. */
+struct cmsdk_timer {
+    uint32_t CTRL;
+    uint32_t VALUE;
+    uint32_t RELOAD;
+    uint32_t INTCLEAR;
 };
 
-#define MPS2_ICSR_PENDSVSET    (1U << 28)
-#define MPS2_AIRCR_VECTKEY     (0x5FAU << 16)
-#define MPS2_AIRCR_SYSRESETREQ (1U << 2)
-#define SHPR_PENDSV            10U
+#define TIMER_CTRL_ENABLE (1U << 0)
+#define TIMER_CTRL_IRQ    (1U << 3)
+#define TIMER_INT         (1U << 0)
+
+/** CMSDK APB watchdog: counts down from LOAD; at 0 an NMI, and when it is there again a reset. */
+struct cmsdk_watchdog {
+    uint32_t LOAD;
+    uint32_t VALUE;
+    uint32_t CONTROL;
+    uint32_t INTCLR;
+};
+
+#define WATCHDOG_CONTROL_INTEN (1U << 0)
+#define WATCHDOG_CONTROL_RESEN (1U << 1)
 
 extern volatile struct cmsdk_uart UART0;
-extern volatile struct mps2_scb MPS2_SCB;
-extern volatile uint32_t CPACR;
-extern volatile uint32_t NVIC_ISER0;
-extern volatile uint8_t NVIC_IPR[32];
-
-#define CPACR_FPU (0xFU << 20)
+extern volatile struct cmsdk_timer TIMER0;
+extern volatile struct cmsdk_watchdog WATCHDOG;
 
 #define UART0_RX_IRQn 0U
+#define TIMER0_IRQn   8U
 
-/** Of the core and the UART. */
+/** Of the core and its peripherals. */
 #define CORE_HZ 25000000U
 
 #endif

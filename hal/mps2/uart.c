@@ -28,7 +28,6 @@ void jp_uart_start(uint32_t baud)
 {
     UART0.BAUDDIV = CORE_HZ / baud;
     UART0.CTRL = UART_CTRL_TX | UART_CTRL_RX | UART_CTRL_RX_IRQ;
-    NVIC_ISER0 = 1U << UART0_RX_IRQn;
 }
 
 /** A byte without room is lost, and its line with it, which SLCAN counts as malformed. */

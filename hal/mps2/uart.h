@@ -6,7 +6,7 @@
 
 #include "hal/can/can.h"
 
-/** Opens the UART; it receives by interrupt. */
+/** Opens the UART; it receives by its interrupt, which is to be enabled. */
 void jp_uart_start(uint32_t baud);
 
 /** The next frame that has come; false: none yet. From the main loop. */

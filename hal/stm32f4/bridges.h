@@ -18,6 +18,8 @@
 #include <joulepath/sensors.h>
 #include <joulepath/status.h>
 
+#include "hal/cortex_m/fault.h"
+
 struct jp_bridges {
     uint16_t period; /**< timer counts for half a period: its frequency is timer_hz / (2 period) */
     uint16_t limit;  /**< largest |high - low| of a motor's compares, counts */
@@ -39,8 +41,7 @@ void jp_bridges_start(struct jp_bridges *bridges, uint32_t timer_hz, uint32_t ti
  */
 enum jp_status jp_bridges_write(struct jp_bridges *bridges, const struct jp_actuation *actuation);
 
-/** All switches off. Two registers; from every state and context, before the start too; any number of times. */
-void jp_bridges_off(void);
+/* jp_bridges_off() of hal/cortex_m/fault.h: two registers; also before the start, and any number of times. */
 
 /** DTG: the shortest dead time of at least `counts` of the timer's clock that can be set; at most 1008. Pure. */
 uint8_t jp_bridges_dead_time(uint32_t counts);

@@ -8,10 +8,10 @@
  * sensors and bridges are simulated there too: on CAN in real time, on the serial line in lockstep.
  */
 #include "hal/app/lockstep.h"
-#include "hal/stm32f4/cortex_m.h"
+#include "hal/cortex_m/cortex_m.h"
+#include "hal/cortex_m/fault.h"
+#include "hal/firmware/firmware_robot.h"
 #include "hal/stm32f4/devices.h"
-#include "hal/stm32f4/fault.h"
-#include "hal/stm32f4/firmware_robot.h"
 #include "hal/stm32f4/flash.h"
 #include "hal/stm32f4/interrupts.h"
 #include "hal/stm32f4/serial.h"
@@ -218,7 +218,7 @@ static bool start_application(void)
 
 static void start_interrupts(void)
 {
-    SCB.SHPR[11] = NVIC_PRIORITY(PRIORITY_CONTROL); /* SysTick */
+    SCB.SHPR[SHPR_SYSTICK] = NVIC_PRIORITY(PRIORITY_CONTROL);
     jp_nvic_enable(PVD_IRQn, PRIORITY_SUPPLY);
     jp_nvic_enable(USART1_IRQn, PRIORITY_SERIAL);
     jp_nvic_enable(ADC_IRQn, PRIORITY_CONTROL);

@@ -475,22 +475,6 @@ struct stm32_iwdg {
 #define IWDG_SR_PVU (1U << 0)
 #define IWDG_SR_RVU (1U << 1)
 
-/* ---- The core's interrupt controller (PM0214 §4.3) ---- */
-
-struct stm32_nvic {
-    uint32_t ISER[8];
-    uint32_t reserved_080[24];
-    uint32_t ICER[8];
-    uint32_t reserved_100[24];
-    uint32_t ISPR[8];
-    uint32_t reserved_180[24];
-    uint32_t ICPR[8];
-    uint32_t reserved_200[24];
-    uint32_t IABR[8];
-    uint32_t reserved_280[56];
-    uint8_t IPR[240];
-};
-
 /** Positions in the vector table (RM0090 table 62). */
 enum stm32_irq {
     PVD_IRQn = 1,
@@ -526,6 +510,5 @@ extern volatile struct stm32_can CAN1;
 extern volatile struct stm32_usart USART1;
 extern volatile struct stm32_exti EXTI;
 extern volatile struct stm32_iwdg IWDG;
-extern volatile struct stm32_nvic NVIC;
 
 #endif

@@ -2,12 +2,13 @@
  * Moving objects around the robot: objects that stand free in successive scans are tracked, and their velocities are
  * given to the shapes of the obstacles (obstacles.h), so that the elastic band keeps off their predicted places.
  *
- * An object is a run of points without a gap, at most `extent` across, nearer than what the beams beside it see. One
- * that is partly hidden is told less exactly. A Kalman filter of constant velocity tracks the middle of
- * what is seen, so that the uncertainty of the velocity is known from the first scans on: an object walks when it is
- * faster than that explains, and it is where nothing was before, or nothing is where it was: what is seen of a thing
- * that stands may shift, but not so. Who has walked is remembered as somebody who may walk on, or back, along the same
- * line.
+ * An object is a run of points without a gap, at most `extent` across, nearer than what the beams beside it see, with a
+ * rim at least at one of its ends, beyond which its surface does not go on. A Kalman filter of constant velocity tracks
+ * its middle: of one that is partly hidden by the free rim, less exactly; of one that is seen as one with others no
+ * more than that it is among them. The uncertainty of the velocity is known from the first scans on: an object walks
+ * when it is faster than that explains, and it is where nothing was before, or nothing is where it was: what is seen of
+ * a thing that stands may shift, but not so. Who has walked is remembered as somebody who may walk on, or back, along
+ * the same line.
  *
  * Part of libjoulepath_float; nothing here is for ISRs.
  */
@@ -37,6 +38,7 @@ struct jp_mover {
     struct jp_plane_point centre;
     struct jp_plane_point velocity;              /**< m/s */
     float radius;                                /**< of what was seen of it, m */
+    float own;                                   /**< radius without those who are seen with it as one, m */
     float largest;                               /**< radius so far, m */
     struct jp_plane_point origin;                /**< where it was first seen */
     struct jp_plane_point seen_from;             /**< where the sensor was then */
@@ -49,6 +51,7 @@ struct jp_mover {
     float standing;                              /**< since it last walked, s */
     uint8_t sightings;                           /**< since it was first seen; saturates */
     uint8_t misses;                              /**< in a row */
+    bool is_companion;                           /**< taken to walk because somebody does beside whom it appeared */
 };
 
 /** The members may be read. */

@@ -363,6 +363,12 @@ const struct jp_lattice *jp_planner_lattice(const struct jp_planner *planner);
 /** Division of the block and work of the search. Never null. Constant time. */
 const struct jp_planner_counts *jp_planner_statistics(const struct jp_planner *planner);
 
+/** For pictures of the search: a state that it holds, with `*is_open` when it waits for its expansion. Begin with *slot
+ * 0; false: there is no more, or the block holds no search now. Work: a look at each slot of the table up to the state.
+ */
+bool jp_planner_next_state(const struct jp_planner *planner, uint32_t *slot, struct jp_lattice_pose *pose,
+                           bool *is_open);
+
 #ifdef __cplusplus
 }
 #endif

@@ -5,16 +5,19 @@
  * of the mean way of the treads, Δφ of (right − left)/B and Δg of the gyro's angle:
  *
  *   gyro      Δg = b Δt + r Δφ (1 + growth) + noise: a Kalman filter of two states learns the bias b and r = ρ (1 + γ);
- *             the noise grows with the way and with the turn, so stands tell b, and turns tell r
+ *             the noise grows with the way and with the turn, so stands tell b, and turns tell r; the more pushes the
+ *             robot, the less
  *   scale     γ = (r/ρ0 − 1) σγ²/(σγ² + σρ²): the part of r that its priors give to the gyro; the rest is slip, ρ
  *   tilt      ṗ = ω q − ψ̇, q̇ = −ω p: a Kalman filter of the grade p ahead and q to the left and of the accelerometer's
- *             offset. What is measured is p, the pitch gyro tells how it changes, so a turn shows q
+ *             offset. What is measured is p, the pitch gyro tells how it changes, so a turn shows q; what speeds up or
+ *             has just done so tells less
  *   slip      treads creep in proportion to their force, by the specific force, f ahead and l = q + v ω/g left:
- *             along = Δs − f (κ |Δs| + λ Kx |Δθ|) + l Hx Δθ ∓ κ F min(|Δs|, B |Δφ|/2)
- *             across = −l κ |Δs| + (±f Hy − l λ Ky) |Δθ|, the latter at most a |Δθ|: between the axles.
- *             Hx and Hy: load that moves to a side or to an axle moves the point about which it turns
- *   grip      λ = F0/F: the force F of the sides that turn it, by the motors' currents, tells how the ground grips
- *   growth    of the ratio, with the square of what the robot slips aside as it turns
+ *             along = Δs − f (κ |Δs| + λ η Kx |Δθ|) + l η Hx Δθ ∓ κ F min(|Δs|, B |Δφ|/2)
+ *             across = −l max(κ |Δs| − Kx |Δθ|/4, 0) + η c |Δθ|,  c = ±f Hy − l λ Ky,  η = (1 + (c/a)⁴)^(−1/4)
+ *             Hx and Hy: load that moves to a side or to an axle moves the point about which it turns. It is
+ *             between the axles, and the nearer to one, the less the treads yield: η. Tight turns hold what rolls
+ *   grip      λ = η F0/F: the force F of the sides that turn it, by the motors' currents, tells how the ground grips
+ *   growth    of the ratio, with c² less the square of what the robot slips along as it turns
  *   plan      along the mean heading of the step: (along √(1 − p²), across), and the heading turns by
  *             Δθ = (Δg − b Δt)/(1 + γ) (1 + p²/2 − q²/2)
  *   past      what is learned of b and γ was true before: the pose moves by its sensitivities to them
@@ -95,6 +98,7 @@ struct jp_skid_step {
     int32_t forward_before; /* in the step before */
     int32_t sideways;       /* to the left */
     int32_t pushed_turn;    /* by the wheels; a robot that is pushed aside skids less; 2⁻³² turn */
+    jp_q24 pushed;          /* share of the ratio that what pushes it may change */
     int32_t plan;           /* forward on the map, m, Q32 */
     int32_t heading_turn;   /* on the map, 2⁻³² turn */
     int32_t way_x;          /* on the map, m, Q32 */
@@ -120,6 +124,7 @@ struct jp_skid_gyro {
     int32_t bias_growth;      /* of bias_bias in a step */
     int32_t way_variance;     /* of a metre over bias_unit², Q14 */
     int32_t turn_variance;    /* the same of 2⁻³² turn, Q30 */
+    int32_t per_turn_noise;   /* 1/turn_noise, Q4 */
     int64_t gyro_variance;    /* the same of a reading, Q30 */
     int64_t count_variance;   /* and of a count */
 };
@@ -134,6 +139,7 @@ struct jp_skid_tilt {
     int32_t offset_covariance[JP_SKID_TILT_OFFSET]; /* of the grades with the offset */
     int32_t grade_covariance;
     int32_t pitch_bias;     /* of a step, 2⁻⁴⁰ turn */
+    jp_q24 unrest;          /* the greatest acceleration of late, fading, g */
     int32_t accel_variance; /* over tilt_deviation², Q30 */
     int32_t reciprocal;     /* 1/tilt_deviation, Q15 */
     int32_t fading;         /* 1/m, Q14 */
@@ -151,6 +157,10 @@ struct jp_skid_slip {
     int32_t shift_along; /* 2π Hx, m/turn, Q24 */
     int32_t shift_across;
     int32_t most;        /* 2π a, m/turn, Q24 */
+    int32_t per_most;    /* its reciprocal, turn/m, Q16 */
+    int32_t wanted;      /* across in the last step if treads crept in proportion to their load, m/turn, Q24 */
+    int32_t yielding;    /* the share of it that they do, Q15 */
+    int32_t held;        /* of the way's creep across, in a turn, m/turn, Q24 */
     int32_t centripetal; /* 2π/(Δt² g), 1/(m turn), Q8 */
     jp_q24 braking;      /* 1/efficiency */
 };

@@ -1,6 +1,7 @@
 #include "sim/bus/bus_drive.h"
 
 #include "hal/linux/periodic.h"
+#include "sim/bus/can_bus.h"
 
 /** An ECU that does not answer is asked again so often. */
 #define ASK_AGAIN_US 100000
@@ -82,25 +83,34 @@ static bool is_answer(const struct jp_can_frame *frame, uint32_t tick)
            jp_can_sim_done_unpack(&done, frame->data, frame->length) == 0 && done.tick == tick;
 }
 
-/** Frames of others must not pass for the ECU's: the clock says when it is time to ask again. */
+/** True when the answer is among the frames that have come; in a flood, among so many as an end of a bus holds. */
+static bool has_come(struct bus_drive *drive, uint32_t tick)
+{
+    const struct jp_can_link *link = &drive->link;
+    struct jp_can_frame frame;
+
+    for (unsigned i = 0; i < CAN_BUS_QUEUE && link->receive(link->port.context, &frame); i++) {
+        if (is_answer(&frame, tick)) {
+            return true;
+        }
+        take(drive, &frame);
+    }
+    return false;
+}
+
+/** Frames of others must not pass for the ECU's: the clock says when it is time to ask again. What has come by then is
+ * looked at, so that an ECU in this process is asked once, however busy the machine is. */
 static bool await_answer(struct bus_drive *drive, uint32_t tick)
 {
     const struct jp_can_link *link = &drive->link;
     const int64_t end_us = jp_monotonic_us() + ASK_AGAIN_US;
-    struct jp_can_frame frame;
 
-    for (bool waiting = true; waiting; waiting = link->wait(link->port.context, ASK_AGAIN_US)) {
-        while (link->receive(link->port.context, &frame)) {
-            if (is_answer(&frame, tick)) {
-                return true;
-            }
-            take(drive, &frame);
-            if (jp_monotonic_us() >= end_us) {
-                return false;
-            }
+    while (!has_come(drive, tick)) {
+        if (jp_monotonic_us() >= end_us || !link->wait(link->port.context, ASK_AGAIN_US)) {
+            return false;
         }
     }
-    return false;
+    return true;
 }
 
 /** Lets the ECU have the tick, and asks again while it does not answer. */

@@ -15,13 +15,12 @@
 #define MAP_ID 1
 
 /* Of the signals. */
-#define JOULE      4294967296.0
-#define Q3_ONE     8.0
-#define Q4_ONE     16.0
-#define Q6_ONE     64.0
-#define Q16_ONE    65536.0
-#define POSE_METRE 65536.0
-#define POSE_TURN  4096.0
+#define JOULE     4294967296.0
+#define Q3_ONE    8.0
+#define Q4_ONE    16.0
+#define Q6_ONE    64.0
+#define Q16_ONE   65536.0
+#define POSE_TURN 4096.0
 
 struct run {
     struct bus_navigation *navigation;
@@ -57,8 +56,8 @@ static struct jp_place believed_of(const struct run *run)
     const struct jp_can_pose_t *told = &run->navigation->drive.view.pose;
     const double c = cos(run->start.heading);
     const double s = sin(run->start.heading);
-    const double x = told->x / POSE_METRE;
-    const double y = told->y / POSE_METRE;
+    const double x = told->x / Q16_ONE;
+    const double y = told->y / Q16_ONE;
 
     return navigation_place(&(struct clearance_pose){run->start.x + x * c - y * s, run->start.y + x * s + y * c,
                                                      run->start.heading + told->heading / POSE_TURN * 2 * M_PI});

@@ -24,9 +24,9 @@ struct clearance_robot navigation_body(const struct robot_file *robot);
 /** From the goal cell's centre, m. */
 double navigation_goal_error(const struct navigation_task *task, const struct clearance_pose *pose);
 
-/** Tells each cell that is in view and otherwise than the map says, on the map where a robot takes it to be that sees it
- * from where it truly is, and takes itself to be at `believed`. `tell` takes it over into the map, or returns false and
- * is told again later. Counts those it took. */
+/** Tells each cell that is in view and otherwise than the map says, on the map where a robot takes it to be that sees
+ * it from where it truly is, and takes itself to be at `believed`. `tell` takes it over into the map, or returns false
+ * and is told again later. Counts those it took. */
 void navigation_look(const struct navigation_task *task, const struct clearance_pose *from,
                      const struct jp_place *believed, struct navigation_result *result,
                      bool (*tell)(void *context, int x, int y, enum jp_cell cell), void *context);

@@ -74,6 +74,9 @@ enum kind { SKID, BALANCER };
 /* What a cell is, for the page. */
 enum mark { MARK_FREE, MARK_WALL, MARK_STEEP };
 
+/* What the search has made of a cell, of the headings there the one that is furthest. */
+enum searched { SEARCHED_NOT, SEARCHED_OPEN, SEARCHED_EXPANDED };
+
 static struct {
     enum kind kind;
     unsigned number; /* of the robot's kind */
@@ -81,6 +84,7 @@ static struct {
     unsigned width;
     unsigned height;
     uint8_t marks[CELLS_MAX];
+    uint8_t searched[CELLS_MAX];
     jp_elevation elevations[CELLS_MAX];
     struct jp_terrain map;
     struct jp_terrain solid; /* what can be touched */
@@ -173,6 +177,7 @@ PAGE_EXPORT(planner_new) double planner_new(unsigned robot, unsigned width, unsi
     page.height = height;
     memset(page.marks, MARK_FREE, sizeof page.marks);
     memset(page.elevations, 0, sizeof page.elevations);
+    memset(page.searched, SEARCHED_NOT, sizeof page.searched);
     return page.lattice == NULL || width * height > CELLS_MAX ? 0 : page.lattice->resolution / Q16_ONE;
 }
 
@@ -453,6 +458,35 @@ PAGE_EXPORT(planner_run) unsigned planner_run(unsigned ticks)
 PAGE_EXPORT(planner_ticks_a_second) unsigned planner_ticks_a_second(void)
 {
     return (unsigned)page.robot.rate_hz;
+}
+
+/* ---- The search ---- */
+
+static void mark_searched(const struct jp_lattice_pose *pose, bool is_open)
+{
+    uint8_t *mark = &page.searched[(unsigned)pose->y * page.width + (unsigned)pose->x];
+    const uint8_t is = is_open ? SEARCHED_OPEN : SEARCHED_EXPANDED;
+
+    *mark = *mark > is ? *mark : is;
+}
+
+/** A row of cells each, south first: 0 the search has not met it, 1 it waits at the frontier, 2 it is expanded. When
+ * the search has given its memory away they are as they were last. */
+PAGE_EXPORT(planner_searched) const uint8_t *planner_searched(void)
+{
+    struct jp_lattice_pose pose;
+    uint32_t slot = 0;
+    bool is_open;
+    bool is_first = true;
+
+    while (page.is_ready && jp_planner_next_state(&page.planner, &slot, &pose, &is_open)) {
+        if (is_first) {
+            memset(page.searched, SEARCHED_NOT, sizeof page.searched);
+            is_first = false;
+        }
+        mark_searched(&pose, is_open);
+    }
+    return page.searched;
 }
 
 /* ---- Lines ---- */

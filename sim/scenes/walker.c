@@ -2,6 +2,9 @@
 
 #include <math.h>
 
+/* Whoever is slower, for a robot that shifts as it stands, has not gone on, m/s. */
+#define PUSHING 0.1
+
 static double length_of(const struct walker *walker)
 {
     return hypot(walker->to.x - walker->from.x, walker->to.y - walker->from.y);
@@ -85,7 +88,6 @@ struct walker_state walker_next(const struct walker *walker, const struct walker
     const double before = state->speed;
 
     next.time += seconds;
-    next.blocked = 0;
     if (next.time < next.rests_until) {
         return next;
     }
@@ -95,6 +97,7 @@ struct walker_state walker_next(const struct walker *walker, const struct walker
         speed_up(walker, &next, seconds);
     }
     next.along = fmin(fmax(next.along + (before + next.speed) / 2 * seconds, 0), length_of(walker));
+    next.blocked = fabs(next.speed) > PUSHING ? 0 : next.blocked;
     return next;
 }
 

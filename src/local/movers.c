@@ -4,10 +4,16 @@
 #include "src/base/plane.h"
 #include "src/local/scan_runs.h"
 
-/* Standard deviation of the middle of what is seen of an object, m: of one that stands free, and of one that is partly
- * hidden. */
+/* Standard deviation of the middle of an object by what is seen of it, m: of one that stands free, and of one that is
+ * partly hidden, by its free rim. */
 #define PLACE_ERROR  0.025f
-#define HIDDEN_ERROR 0.2f
+#define HIDDEN_ERROR 0.08f
+
+/* Of somebody of whom no more was seen than a part, m. */
+#define PERSON_RADIUS 0.2f
+
+/* Nobody alone is larger, m. */
+#define PERSON_MAX 0.35f
 
 /* Of the velocity of an object that was never seen before, m/s, and of its changes, m/s²: people start and stop within
  * a step. */
@@ -29,11 +35,24 @@
 /* An object that appears so near beside somebody who walks goes with them, m. */
 #define TOGETHER 0.5f
 
-/* A radius that changes by so much at once is that of another group, m. */
-#define REGROUPED 0.1f
+/* After so many sightings it is known whether it does. */
+#define COMPANION_SIGHTINGS 10U
+
+/* What is seen is larger than a track by so much: somebody else is seen with it as one, m. The share by which the track
+ * takes that size over in a scan, and that by which a radius follows what is measured. */
+#define SHARED       0.05f
+#define SHARED_SHARE 0.05f
+#define RADIUS_SHARE 0.3f
+
+/* A radius that falls by so much at once is that of another group, m. */
+#define PARTED 0.1f
 
 /* Of its velocity that is kept then. */
-#define REGROUPED_SPEED 0.8f
+#define PARTED_SPEED 0.8f
+
+/* A track that was not seen in the last scan is as good as so much farther away, m: who was hidden by somebody is not
+ * who is seen now. */
+#define UNSEEN 0.2f
 
 /* Misses until a track is dropped: of an object, and of somebody who walks. */
 #define MISSES_MAX        5U
@@ -52,6 +71,15 @@
 /* A beam that ends so far behind a place, or a place so far before what was seen, is beyond what pose and laser err by,
  * m. */
 #define CLEARLY 0.15f
+
+/* As much farther away a surface may go on than its last two points say, which err by centimetres. */
+#define STEEPER 1.5f
+
+/* A shorter run is a point, m. */
+#define LEAST 1.0e-4f
+
+/* Which tell how a surface goes on. */
+#define POINTS_MIN 2U
 
 /* Misses that one counts as when the beams look through the place. */
 #define GONE 3U
@@ -74,7 +102,8 @@
 struct thing {
     struct jp_plane_point centre;
     float radius;
-    bool is_free;                                /* on both sides */
+    struct jp_plane_point across;                /* from its right end to the left one, of length 1 */
+    bool is_free[2];                             /* on the right, on the left */
     struct jp_plane_point seen[JP_MOVER_POINTS]; /* of its surface, from right to left */
 };
 
@@ -86,6 +115,32 @@ static bool is_config(const struct jp_movers_config *config)
            jp_plane_is_between(config->margin, 0.0f, JP_OBSTACLE_MARGIN_MAX);
 }
 
+/* Whether the surface that ends at a beam may go on beyond the next one that works: a wall along which the scanner
+ * looks has no rim where its points lie far apart. The beam meets the line through the last two points at some range,
+ * or never; one that ends clearly behind it has passed it. */
+static bool may_go_on(const struct jp_scan_view *view, unsigned end, unsigned step, float range)
+{
+    unsigned inner = end - step;
+
+    while (!jp_scan_is_point(view, inner)) {
+        inner -= step;
+    }
+
+    const struct jp_plane_point from = jp_scan_point(view, inner);
+    const struct jp_plane_point rim = jp_scan_point(view, end);
+    const struct jp_plane_point beam =
+        jp_plane_direction(view->first.heading + (float)(end + step) * view->scan->angle_step);
+    const struct jp_plane_point along = {rim.x - from.x, rim.y - from.y};
+    const float nearing = beam.x * along.y - beam.y * along.x;
+    const float away = (rim.x - view->first.x) * along.y - (rim.y - view->first.y) * along.x;
+    const float beyond = range - view->scan->ranges[end] - CLEARLY;
+
+    /* Both sides times `nearing`, above 0 where the beam meets the line in front of the sensor. */
+    return nearing * away <= 0.0f ||
+           beyond * jp_plane_magnitude(nearing) <=
+               STEEPER * (jp_plane_magnitude(away) - view->scan->ranges[end] * jp_plane_magnitude(nearing));
+}
+
 /* Whether the next beam beside a run that works, in the direction of a step, sees past it: farther away, or nothing.
  * The ends of a scan hide what is beside them. */
 static bool is_past(const struct jp_scan_view *view, unsigned end, unsigned step)
@@ -95,8 +150,13 @@ static bool is_past(const struct jp_scan_view *view, unsigned end, unsigned step
     while (beside < view->scan->count && !(view->scan->ranges[beside] >= 0.0f)) {
         beside += step;
     }
-    return beside < view->scan->count &&
-           (!jp_scan_is_point(view, beside) || view->scan->ranges[beside] > view->scan->ranges[end]);
+    if (beside >= view->scan->count) {
+        return false;
+    }
+
+    const float range = jp_scan_is_point(view, beside) ? view->scan->ranges[beside] : view->config->range_max;
+
+    return range > view->scan->ranges[end] && !may_go_on(view, end, step, range);
 }
 
 /* Evenly within it. */
@@ -113,6 +173,14 @@ static void take_points(const struct jp_scan_view *view, const struct jp_scan_ru
     }
 }
 
+/* Along what is seen of a thing; nowhere where that is a point. */
+static struct jp_plane_point across_of(struct jp_plane_point first, struct jp_plane_point last)
+{
+    const float length = jp_plane_larger(jp_plane_length(last.x - first.x, last.y - first.y), LEAST);
+
+    return (struct jp_plane_point){(last.x - first.x) / length, (last.y - first.y) / length};
+}
+
 static bool find_thing(const struct jp_scan_view *view, const struct jp_scan_run *run, float extent,
                        struct thing *thing)
 {
@@ -120,16 +188,24 @@ static bool find_thing(const struct jp_scan_view *view, const struct jp_scan_run
     const struct jp_plane_point last = jp_scan_point(view, run->last);
     const float square = jp_plane_square_between(first, last);
 
-    const bool is_free[] = {is_past(view, run->first, BACK), is_past(view, run->last, 1U)};
-
-    if (run->points < view->config->beams_min || square > extent * extent || !(is_free[0] || is_free[1])) {
+    if (run->points < view->config->beams_min || run->points < POINTS_MIN || square > extent * extent) {
+        return false;
+    }
+    thing->is_free[0] = is_past(view, run->first, BACK);
+    thing->is_free[1] = is_past(view, run->last, 1U);
+    if (!thing->is_free[0] && !thing->is_free[1]) {
         return false;
     }
     thing->centre = (struct jp_plane_point){0.5f * (first.x + last.x), 0.5f * (first.y + last.y)};
     thing->radius = 0.5f * jp_plane_square_root(square);
-    thing->is_free = is_free[0] && is_free[1];
+    thing->across = across_of(first, last);
     take_points(view, run, thing->seen);
     return true;
+}
+
+static bool is_whole(const struct thing *thing)
+{
+    return thing->is_free[0] && thing->is_free[1];
 }
 
 /* ---- Tracks ---- */
@@ -169,17 +245,26 @@ static void predict(struct jp_movers *movers, float period)
     }
 }
 
+/* From a track to an object, for the choice among tracks. */
+static float square_to(const struct jp_mover *mover, const struct thing *thing)
+{
+    const float square = jp_plane_square_between(mover->centre, thing->centre);
+
+    return mover->misses > 1U ? square + UNSEEN * UNSEEN : square;
+}
+
 /* The nearest track without an object in this scan; null when none is within the gate. */
 static struct jp_mover *match(struct jp_movers *movers, const struct thing *thing, float gate)
 {
     struct jp_mover *nearest = NULL;
-    float least = gate * gate;
+    float least = 0.0f;
 
     for (unsigned i = 0; i < movers->count; i++) {
         struct jp_mover *const mover = &movers->movers[i];
-        const float square = jp_plane_square_between(mover->centre, thing->centre);
+        const float square = square_to(mover, thing);
 
-        if (mover->misses > 0U && square < least) {
+        if (mover->misses > 0U && jp_plane_square_between(mover->centre, thing->centre) < gate * gate &&
+            (nearest == NULL || square < least)) {
             least = square;
             nearest = mover;
         }
@@ -195,43 +280,104 @@ static struct jp_plane_point limited(struct jp_plane_point velocity, float speed
     return (struct jp_plane_point){share * velocity.x, share * velocity.y};
 }
 
-/* Seen as one with somebody else, or no longer: what is seen of it says nothing of how it moves. */
-static void regroup(struct jp_mover *mover, const struct thing *thing)
+/* It was seen as one with somebody else, and no longer is: what is seen of it says nothing of how it moves. */
+static void part(struct jp_mover *mover, const struct thing *thing)
 {
     mover->origin.x += thing->centre.x - mover->centre.x;
     mover->origin.y += thing->centre.y - mover->centre.y;
     mover->centre = thing->centre;
-    mover->largest = jp_plane_larger(thing->radius, mover->largest);
-    mover->velocity.x *= REGROUPED_SPEED;
-    mover->velocity.y *= REGROUPED_SPEED;
-    mover->radius = thing->radius;
+    mover->velocity.x *= PARTED_SPEED;
+    mover->velocity.y *= PARTED_SPEED;
+    mover->own = thing->radius;
+}
+
+/* Where along what is seen of a thing the middle of an object of a radius may be, from the middle of the thing, m: at
+ * one place if the thing is as large; of one that is smaller, as a box is from its other side, no rim need be the
+ * object's.
+ */
+static void find_span(const struct thing *thing, float radius, float *low, float *high)
+{
+    const float inner = thing->radius - radius;
+    const bool is_shared = inner > SHARED;
+
+    if (is_whole(thing)) {
+        *high = jp_plane_magnitude(inner) > SHARED ? jp_plane_magnitude(inner) : 0.0f;
+        *low = -*high;
+    } else if (thing->is_free[0]) {
+        *low = -inner;
+        *high = is_shared ? inner : -inner;
+    } else {
+        *high = inner;
+        *low = is_shared ? -inner : inner;
+    }
+}
+
+/* Of an object of a radius, by what is seen of it: the place that is nearest to where it was foreseen. */
+static struct jp_plane_point middle_of(const struct thing *thing, float radius, struct jp_plane_point foreseen)
+{
+    const struct jp_plane_point off = {foreseen.x - thing->centre.x, foreseen.y - thing->centre.y};
+    float low;
+    float high;
+
+    find_span(thing, radius, &low, &high);
+
+    const float along = jp_plane_clamp(off.x * thing->across.x + off.y * thing->across.y, low, high);
+
+    return (struct jp_plane_point){thing->centre.x + along * thing->across.x,
+                                   thing->centre.y + along * thing->across.y};
+}
+
+/* From where it was foreseen to where it is. Of somebody who is seen as one with others no more is known than that it
+ * is among them. */
+static struct jp_plane_point innovation_of(const struct jp_mover *mover, const struct thing *thing)
+{
+    const struct jp_plane_point middle = middle_of(thing, mover->own, mover->centre);
+    const struct jp_plane_point way = {middle.x - mover->centre.x, middle.y - mover->centre.y};
+    const float length = jp_plane_length(way.x, way.y);
+    const float larger = thing->radius - mover->own;
+    const float slack = larger > SHARED || (is_whole(thing) && larger < -SHARED) ? SHARED : 0.0f;
+    const float share = length > slack ? 1.0f - slack / length : 0.0f;
+
+    return (struct jp_plane_point){share * way.x, share * way.y};
+}
+
+/* How large it is alone, and as it is seen. */
+static void take_radius(struct jp_mover *mover, const struct thing *thing)
+{
+    const float larger = thing->radius - mover->own;
+
+    if (is_whole(thing)) {
+        mover->own += (larger > SHARED ? SHARED_SHARE : RADIUS_SHARE) * larger;
+    }
+    mover->radius = is_whole(thing) ? thing->radius : jp_plane_larger(thing->radius, mover->radius);
+    mover->largest = jp_plane_larger(mover->radius, mover->largest);
     mover->misses = 0;
 }
 
 static void correct(struct jp_mover *mover, const struct thing *thing, float speed_max)
 {
-    const float error = thing->is_free ? PLACE_ERROR : HIDDEN_ERROR;
+    const float error = is_whole(thing) ? PLACE_ERROR : HIDDEN_ERROR;
     const float inverse = 1.0f / (mover->place_variance + error * error);
     const float place_gain = mover->place_variance * inverse;
     const float speed_gain = mover->covariance * inverse;
-    const float dx = thing->centre.x - mover->centre.x;
-    const float dy = thing->centre.y - mover->centre.y;
 
-    if (jp_plane_magnitude(thing->radius - mover->radius) > REGROUPED) {
-        regroup(mover, thing);
+    if (is_whole(thing) && mover->own - thing->radius > PARTED) {
+        part(mover, thing);
+        take_radius(mover, thing);
         return;
     }
-    mover->centre.x += place_gain * dx;
-    mover->centre.y += place_gain * dy;
-    mover->velocity.x += speed_gain * dx;
-    mover->velocity.y += speed_gain * dy;
+
+    const struct jp_plane_point way = innovation_of(mover, thing);
+
+    mover->centre.x += place_gain * way.x;
+    mover->centre.y += place_gain * way.y;
+    mover->velocity.x += speed_gain * way.x;
+    mover->velocity.y += speed_gain * way.y;
     mover->velocity = limited(mover->velocity, speed_max);
     mover->speed_variance -= speed_gain * mover->covariance;
     mover->covariance -= place_gain * mover->covariance;
     mover->place_variance -= place_gain * mover->place_variance;
-    mover->radius = thing->is_free ? thing->radius : jp_plane_larger(thing->radius, mover->radius);
-    mover->largest = jp_plane_larger(mover->radius, mover->largest);
-    mover->misses = 0;
+    take_radius(mover, thing);
     if (mover->sightings < UINT8_MAX) {
         mover->sightings++;
     }
@@ -305,6 +451,26 @@ static bool has_changed_place(const struct jp_mover *mover, const struct thing *
     return false;
 }
 
+/* Whether all of something is seen, and no less than before: of what is larger than a person one side may go out of
+ * sight as another one comes. */
+static bool is_steady(const struct jp_mover *mover, const struct thing *thing)
+{
+    return thing->radius < PERSON_MAX || (is_whole(thing) && mover->own - thing->radius < SHARED);
+}
+
+/* Who appeared beside somebody who walks was taken for one who goes with them, until it has been seen often enough to
+ * tell that it stands. */
+static void judge_companion(struct jp_mover *mover, const struct jp_movers_config *config)
+{
+    if (mover->is_companion && mover->sightings >= COMPANION_SIGHTINGS) {
+        mover->is_companion = false;
+        if (!jp_mover_is_walking(mover, config)) {
+            mover->pace = 0.0f;
+            mover->walk = (struct jp_plane_point){0.0f, 0.0f};
+        }
+    }
+}
+
 /* Remembers how it walks, if it does. */
 static void note_walk(struct jp_mover *mover, const struct jp_movers_config *config, const struct thing *thing,
                       const struct jp_scan_view *view)
@@ -312,7 +478,7 @@ static void note_walk(struct jp_mover *mover, const struct jp_movers_config *con
     const float speed = speed_of(mover);
 
     if (mover->sightings >= SIGHTINGS_MIN && jp_mover_is_walking(mover, config) &&
-        (has_walked(mover) || (has_left(mover) && has_changed_place(mover, thing, view)))) {
+        (has_walked(mover) || (is_steady(mover, thing) && has_left(mover) && has_changed_place(mover, thing, view)))) {
         const float share = has_walked(mover) ? WALK_SHARE : 1.0f;
         const float x = mover->walk.x + share * (mover->velocity.x / speed - mover->walk.x);
         const float y = mover->walk.y + share * (mover->velocity.y / speed - mover->walk.y);
@@ -368,8 +534,10 @@ static void begin(struct jp_movers *movers, const struct thing *thing, struct jp
     if (beside != NULL) {
         track = *beside;
     }
-    track.centre = thing->centre;
-    track.origin = thing->centre;
+    track.is_companion = beside != NULL;
+    track.own = is_whole(thing) ? thing->radius : jp_plane_larger(thing->radius, PERSON_RADIUS);
+    track.centre = middle_of(thing, track.own, thing->centre);
+    track.origin = track.centre;
     track.radius = thing->radius;
     track.largest = thing->radius;
     track.seen_from = sensor;
@@ -395,6 +563,7 @@ static void follow(struct jp_movers *movers, const struct jp_movers_config *conf
 
     if (mover != NULL) {
         correct(mover, thing, config->speed_max);
+        judge_companion(mover, config);
         note_walk(mover, config, thing, view);
     } else {
         begin(movers, thing, sensor);

@@ -185,14 +185,22 @@ static bool is_anything_moving(const struct jp_patrol *patrol)
     return fastest > 0.0f;
 }
 
-/* A robot that stands and whose band would not move it does not get on by waiting for the band, but for who walks. */
+/* A robot that stands and whose band would not move it does not get on by waiting for the band. Among people the band
+ * may stand although they have passed: it is laid anew, and may stand again while they have not. */
 static bool has_band_stalled(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
-    const bool stands = jp_patrol_is_standing(speed) && jp_patrol_is_standing(&patrol->band.speed) &&
-                        !patrol->internal.is_yielding && !is_anything_moving(patrol);
+    const bool stands = jp_patrol_is_standing(speed) && jp_patrol_is_standing(&patrol->band.speed);
 
     patrol->internal.still = stands ? (uint16_t)(patrol->internal.still + 1U) : 0U;
-    return patrol->internal.still > STILL_CYCLES;
+    if (patrol->internal.still <= STILL_CYCLES) {
+        return false;
+    }
+    if (patrol->internal.is_yielding || is_anything_moving(patrol)) {
+        jp_teb_clear(&patrol->teb);
+        patrol->internal.still = 0U;
+        return false;
+    }
+    return true;
 }
 
 /* Plans the band and takes its speed. False, with *reason, when there is none to drive. */

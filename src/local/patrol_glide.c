@@ -171,11 +171,6 @@ static unsigned free_steps(const struct jp_patrol *patrol, struct glide glide, u
     return steps;
 }
 
-static bool is_free(const struct jp_patrol *patrol, const struct glide *glide)
-{
-    return free_steps(patrol, *glide, STEPS_MAX) == STEPS_MAX;
-}
-
 static struct glide glide_from(const struct jp_patrol *patrol, const struct jp_plane_pose *pose)
 {
     const bool is_begun = patrol->state == JP_PATROL_GLIDING;
@@ -189,6 +184,31 @@ static struct glide glide_from(const struct jp_patrol *patrol, const struct jp_p
                           .is_to_goal = patrol->internal.is_gliding_to_goal,
                           .is_begun = is_begun,
                           .speed = patrol->config.teb.speed_max};
+}
+
+unsigned jp_patrol_foresee_glide(const struct jp_patrol *patrol, struct jp_plane_pose *poses, unsigned most)
+{
+    struct glide glide = glide_from(patrol, &patrol->pose);
+    unsigned count = 0;
+
+    while (count < most && goal_distance(patrol, &glide.pose) > 0.5f * STEP_LENGTH) {
+        const float direction = direction_from(patrol, &glide.pose, &glide.next);
+        const float askew = jp_plane_wrap(direction - glide.pose.heading);
+        const float step = smaller(STEP_LENGTH, goal_distance(patrol, &glide.pose));
+        const struct jp_plane_point way = jp_plane_direction(direction);
+
+        glide.pose.heading += turn_of(patrol, &glide, askew, step);
+        glide.pose.x += step * way.x;
+        glide.pose.y += step * way.y;
+        poses[count] = glide.pose;
+        count++;
+    }
+    return count;
+}
+
+static bool is_free(const struct jp_patrol *patrol, const struct glide *glide)
+{
+    return free_steps(patrol, *glide, STEPS_MAX) == STEPS_MAX;
 }
 
 static void begin(struct jp_patrol *patrol, const struct glide *glide, bool is_standing)
@@ -540,6 +560,16 @@ static bool move(struct jp_patrol *patrol, const struct glide *glide, float dire
     return true;
 }
 
+/* No farther askew than all wheels are steered forwards: one that rolled backwards, as it may after a turn in place,
+ * would have to be steered round on the way. */
+static void set_off_along(struct jp_patrol *patrol, float askew)
+{
+    const float part = askew_part(patrol, askew);
+
+    patrol->internal.command = (struct jp_plane_speed){SET_OFF_SPEED * jp_plane_cosine(part), 0.0f};
+    patrol->internal.sideways = SET_OFF_SPEED * jp_plane_sine(part);
+}
+
 void jp_patrol_glide(struct jp_patrol *patrol)
 {
     const struct jp_plane_pose pose = after_latency(patrol);
@@ -571,8 +601,7 @@ void jp_patrol_glide(struct jp_patrol *patrol)
         return;
     }
     if (is_setting_off(patrol)) {
-        patrol->internal.command = (struct jp_plane_speed){SET_OFF_SPEED * jp_plane_cosine(askew), 0.0f};
-        patrol->internal.sideways = SET_OFF_SPEED * jp_plane_sine(askew);
+        set_off_along(patrol, askew);
         return;
     }
     if (!move(patrol, &glide, direction, speed_of(patrol, now, away, remaining))) {

@@ -20,4 +20,8 @@ bool jp_patrol_can_glide_in(const struct jp_patrol *patrol);
 /** A cycle of the state GLIDING. */
 void jp_patrol_glide(struct jp_patrol *patrol);
 
+/** Poses of the glide that is under way, a tenth of a metre apart, from the next one until the robot follows its path
+ * for `most` of them or is at the goal. Returns how many. */
+unsigned jp_patrol_foresee_glide(const struct jp_patrol *patrol, struct jp_plane_pose *poses, unsigned most);
+
 #endif

@@ -217,7 +217,10 @@ void jp_patrol_step(struct jp_patrol *patrol, const struct jp_plane_speed *speed
     const float away = jp_plane_length(remaining.x, remaining.y);
 
     jp_patrol_stand(patrol);
-    if (away < STEP_TOLERANCE) {
+    if (patrol->internal.is_yielding && !patrol->internal.is_arriving && jp_patrol_is_standing(speed)) {
+        /* Somebody was in the way of a turn, and will not be for ever: what is best is another question by then. */
+        jp_patrol_enter(patrol, JP_PATROL_DRIVING, JP_PATROL_NONE);
+    } else if (away < STEP_TOLERANCE) {
         if (jp_patrol_is_standing(speed)) {
             jp_patrol_enter(patrol, JP_PATROL_DRIVING, JP_PATROL_NONE);
         }

@@ -1,6 +1,7 @@
 #include "src/local/patrol_yield.h"
 
 #include "src/base/plane.h"
+#include "src/local/patrol_glide.h"
 #include "src/local/patrol_room.h"
 #include "src/local/patrol_turn.h"
 
@@ -13,14 +14,19 @@
 #define STEP              0.25f
 #define STEPS             16U
 
-/* From somebody's change of mind until the tracker knows, s. */
-#define NOTICE 0.3f
+/* From somebody's change of mind until the tracker knows, s; so much longer of who stands. */
+#define NOTICE          0.3f
+#define NOTICE_STANDING 0.2f
 
 /* What a distance may err by, m: nearer, the robot may be touched. */
 #define TOUCH 0.08f
 
 /* Of a radius over what is seen of it: beams miss the rims, so that the middle of what is seen lies before its own. */
 #define WHOLE 1.4f
+
+/* Nobody alone is larger, m; sightings until a motion is believed. */
+#define PERSON_MAX    0.35f
+#define SIGHTINGS_MIN 4U
 
 /* Nearer than standing still by this is nearer, m: rounding. */
 #define NEARER 0.002f
@@ -44,12 +50,19 @@
 /* Slower than this the robot stands, m/s. */
 #define STANDING 0.05f
 
+/* m/s */
+#define UNLIMITED 1000.0f
+
+/* A slower turn does not end, rad/s. */
+#define LEAST 1.0e-3f
+
 /* ---- The robot ---- */
 
 /* What it plans: poses, and the way to each as its outermost point goes, m. */
 struct yield_course {
     struct jp_plane_pose poses[JP_TEB_POSES_MAX];
     float way[JP_TEB_POSES_MAX];
+    float speed[JP_TEB_POSES_MAX]; /* to the next pose at most, m/s */
     unsigned count;
 };
 
@@ -74,37 +87,95 @@ static void add_pose(const struct jp_patrol *patrol, struct yield_course *course
     course->way[i] =
         i > 0U ? course->way[i - 1U] + way_between(&patrol->config.teb.footprint, &course->poses[i - 1U], pose) : 0.0f;
     course->poses[i] = *pose;
+    course->speed[i] = UNLIMITED;
     course->count++;
 }
 
-/* As the band plans; else as the command leads on. */
+/* A band plans to be slow where somebody walks. */
+static void lay_out_band(const struct jp_teb *teb, const struct jp_patrol *patrol, struct yield_course *course)
+{
+    for (unsigned i = 1; i < teb->count; i++) {
+        add_pose(patrol, course, &teb->poses[i].pose);
+        course->speed[i - 1U] =
+            jp_plane_larger(way_between(&teb->config.footprint, &teb->poses[i - 1U].pose, &teb->poses[i].pose) /
+                                teb->poses[i - 1U].interval,
+                            STANDING);
+    }
+}
+
+/* Until a step or a turn in place, as fast as it is commanded, has come to its end, s. */
+static float time_left(const struct jp_patrol *patrol)
+{
+    const struct jp_patrol_internal *const internal = &patrol->internal;
+    const float speed = jp_plane_length(internal->command.forward, internal->sideways);
+
+    if (patrol->state == JP_PATROL_STEPPING && speed > 0.0f) {
+        return jp_plane_length(internal->step_target.x - patrol->pose.x, internal->step_target.y - patrol->pose.y) /
+               speed;
+    }
+    if (patrol->state == JP_PATROL_TURNING) {
+        return jp_plane_magnitude(internal->turn_remaining) /
+               jp_plane_larger(jp_plane_magnitude(internal->command.turn_rate), LEAST);
+    }
+    return STEP * (float)STEPS;
+}
+
+static void lay_out_command(const struct jp_patrol *patrol, struct yield_course *course)
+{
+    struct jp_plane_pose pose = patrol->pose;
+    float left = time_left(patrol);
+
+    for (unsigned i = 0; i < STEPS && left > 0.0f; i++) {
+        const float time = jp_plane_smaller(left, STEP);
+        const struct jp_plane_pose step = {time * patrol->internal.command.forward, time * patrol->internal.sideways,
+                                           time * patrol->internal.command.turn_rate};
+
+        pose = jp_plane_compose(&pose, &step);
+        add_pose(patrol, course, &pose);
+        left -= time;
+    }
+}
+
+static void lay_out_glide(const struct jp_patrol *patrol, struct yield_course *course)
+{
+    const unsigned count = jp_patrol_foresee_glide(patrol, &course->poses[1], JP_TEB_POSES_MAX - 1U);
+
+    for (unsigned i = 1; i <= count; i++) {
+        const struct jp_plane_pose pose = course->poses[i];
+
+        add_pose(patrol, course, &pose);
+    }
+}
+
+/* As the band plans, or the glide leads on; else as the command does. */
 static void lay_out(const struct jp_patrol *patrol, struct yield_course *course)
 {
     course->count = 0;
     add_pose(patrol, course, &patrol->pose);
     if (patrol->state == JP_PATROL_DRIVING) {
-        for (unsigned i = 1; i < patrol->teb.count; i++) {
-            add_pose(patrol, course, &patrol->teb.poses[i].pose);
-        }
+        lay_out_band(&patrol->teb, patrol, course);
+    } else if (patrol->state == JP_PATROL_GLIDING) {
+        lay_out_glide(patrol, course);
     } else {
-        const struct jp_plane_pose step = {STEP * patrol->internal.command.forward, STEP * patrol->internal.sideways,
-                                           STEP * patrol->internal.command.turn_rate};
-        struct jp_plane_pose pose = patrol->pose;
-
-        for (unsigned i = 0; i < STEPS; i++) {
-            pose = jp_plane_compose(&pose, &step);
-            add_pose(patrol, course, &pose);
-        }
+        lay_out_command(patrol, course);
     }
 }
 
-static struct jp_plane_pose pose_at(const struct yield_course *course, float way)
+/* The pose before a place on the way. */
+static unsigned index_at(const struct yield_course *course, float way)
 {
     unsigned i = 0;
 
     while (i + 2U < course->count && course->way[i + 1U] < way) {
         i++;
     }
+    return i;
+}
+
+static struct jp_plane_pose pose_at(const struct yield_course *course, float way)
+{
+    const unsigned i = index_at(course, way);
+
     if (course->count < 2U) {
         return course->poses[0];
     }
@@ -159,8 +230,8 @@ static float way_back(float speed, float pace, float acceleration, float time)
 }
 
 /* Where somebody may be after a time, along their walk, m: if they turned round as late as the robot could no longer
- * stop in time, or when they were last seen, and if they go on. */
-static void find_place(const struct jp_patrol *patrol, const struct jp_mover *mover, float time, float stop,
+ * stop in time, or when they were last seen, and if they go on, and so much later. */
+static void find_place(const struct jp_patrol *patrol, const struct jp_mover *mover, float time, float stop, float gap,
                        struct jp_obstacle *place)
 {
     const struct jp_patrol_people *const people = &patrol->config.people;
@@ -170,10 +241,11 @@ static void find_place(const struct jp_patrol *patrol, const struct jp_mover *mo
     const float speed = is_walking ? measured : 0.0f;
     const struct jp_plane_point along =
         is_walking ? (struct jp_plane_point){mover->velocity.x / speed, mover->velocity.y / speed} : mover->walk;
-    const float late = jp_plane_smaller(time, stop) + unseen;
+    const float notice = is_walking ? 0.0f : NOTICE_STANDING;
+    const float late = jp_plane_smaller(time, stop + notice) + unseen;
     const float turned = way_back(speed, mover->pace, people->acceleration, late);
     const float back = speed * (time - late) + turned;
-    const float on = is_walking ? speed * (time + GAP) : -turned;
+    const float on = is_walking ? speed * (time + gap) : -turned;
     const float deviation = jp_plane_square_root(mover->speed_variance);
 
     place->vertices[0] = (struct jp_plane_point){mover->centre.x + back * along.x, mover->centre.y + back * along.y};
@@ -204,6 +276,14 @@ static float clearance_at(const struct jp_patrol *patrol, float speed)
     return patrol->config.people.clearance * jp_plane_clamp(share, 0.0f, 1.0f);
 }
 
+/* Who moves as people do without having left their place yet: a thing that the robot passes seems to for a moment, so
+ * that this is soon forgotten. */
+static bool may_be_setting_off(const struct jp_patrol *patrol, const struct jp_mover *mover)
+{
+    return mover->radius < PERSON_MAX && mover->sightings >= SIGHTINGS_MIN && mover->misses == 0U &&
+           jp_mover_is_walking(mover, &patrol->config.movers);
+}
+
 /* Of those who are nobody who may walk on. */
 static bool is_stander(const struct jp_mover *mover)
 {
@@ -229,29 +309,40 @@ static void look_at_stander(const struct jp_patrol *patrol, const struct jp_move
     }
 }
 
+/* At somebody who walks, or may, from a pose after a time. */
+static void look_at_walker(const struct jp_patrol *patrol, const struct jp_mover *mover,
+                           const struct jp_plane_pose *pose, float time, float stop, struct yield_outlook *outlook)
+{
+    const struct jp_footprint *const footprint = &patrol->config.teb.footprint;
+    struct jp_obstacle place;
+
+    find_place(patrol, mover, time, stop, GAP, &place);
+
+    const float distance = jp_obstacle_distance(footprint, pose, &place, NULL);
+
+    if (distance < TOUCH || (distance < patrol->config.people.clearance &&
+                             distance < jp_obstacle_distance(footprint, &patrol->pose, &place, NULL) - NEARER)) {
+        outlook->is_free = false;
+    }
+    if (distance < outlook->nearest) {
+        find_place(patrol, mover, time, stop, 0.0f, &place);
+        outlook->nearest = jp_plane_smaller(jp_obstacle_distance(footprint, pose, &place, NULL), outlook->nearest);
+    }
+}
+
 /* At a pose after a time, at a speed. */
 static void look_at(const struct jp_patrol *patrol, const struct jp_plane_pose *pose, float time, float speed,
                     struct yield_outlook *outlook)
 {
-    const struct jp_footprint *const footprint = &patrol->config.teb.footprint;
     const float stop = NOTICE + time_to_rest(patrol, speed);
 
     for (unsigned i = 0; i < patrol->movers.count; i++) {
-        if (is_person(patrol, &patrol->movers.movers[i])) {
-            struct jp_obstacle place;
+        const struct jp_mover *const mover = &patrol->movers.movers[i];
 
-            find_place(patrol, &patrol->movers.movers[i], time, stop, &place);
-
-            const float distance = jp_obstacle_distance(footprint, pose, &place, NULL);
-
-            outlook->nearest = jp_plane_smaller(distance, outlook->nearest);
-            if (distance < TOUCH ||
-                (distance < patrol->config.people.clearance &&
-                 distance < jp_obstacle_distance(footprint, &patrol->pose, &place, NULL) - NEARER)) {
-                outlook->is_free = false;
-            }
-        } else if (is_stander(&patrol->movers.movers[i])) {
-            look_at_stander(patrol, &patrol->movers.movers[i], pose, speed, outlook);
+        if (is_person(patrol, mover) || may_be_setting_off(patrol, mover)) {
+            look_at_walker(patrol, mover, pose, time, stop, outlook);
+        } else if (is_stander(mover)) {
+            look_at_stander(patrol, mover, pose, speed, outlook);
         } else {
             /* A thing. */
         }
@@ -262,13 +353,16 @@ static struct yield_outlook look_along(const struct jp_patrol *patrol, const str
                                        const struct profile *profile, float horizon)
 {
     struct yield_outlook outlook = {true, JP_OBSTACLE_NONE};
+    float before = profile->now;
     float way = 0.0f;
 
     for (unsigned i = 1; i <= STEPS && STEP * (float)(i - 1U) < horizon; i++) {
         const float time = STEP * (float)i;
-        const float speed = speed_after(profile, time);
+        const float planned = course->speed[index_at(course, way)];
+        const float speed = jp_plane_smaller(speed_after(profile, time), planned);
 
-        way += 0.5f * STEP * (speed + speed_after(profile, time - STEP));
+        way += 0.5f * STEP * (speed + before);
+        before = speed;
 
         const struct jp_plane_pose pose = pose_at(course, way);
 
@@ -280,7 +374,7 @@ static struct yield_outlook look_along(const struct jp_patrol *patrol, const str
 static bool sees_anybody(const struct jp_patrol *patrol)
 {
     for (unsigned i = 0; i < patrol->movers.count; i++) {
-        if (patrol->movers.movers[i].pace > 0.0f) {
+        if (patrol->movers.movers[i].pace > 0.0f || may_be_setting_off(patrol, &patrol->movers.movers[i])) {
             return true;
         }
     }
@@ -311,14 +405,17 @@ static float nearest_if_braked(const struct jp_patrol *patrol, const struct yiel
     return now < STANDING ? JP_OBSTACLE_NONE : look_along(patrol, course, &profile, time_to_rest(patrol, now)).nearest;
 }
 
-static float horizon_of(const struct jp_patrol *patrol)
+/* Never less than it takes to be at rest after somebody has turned round. */
+static float horizon_of(const struct jp_patrol *patrol, float speed)
 {
     const float share = (patrol->internal.yielded - PATIENT) / (IMPATIENT - PATIENT);
 
-    return HORIZON - (HORIZON - HORIZON_IMPATIENT) * jp_plane_clamp(share, 0.0f, 1.0f);
+    return jp_plane_larger(HORIZON - (HORIZON - HORIZON_IMPATIENT) * jp_plane_clamp(share, 0.0f, 1.0f),
+                           NOTICE + time_to_rest(patrol, speed));
 }
 
-/* The highest speed that is safe; where none is, the one at which the robot stays farthest from people. */
+/* The highest speed that is safe; where none is, 0 if the robot is at rest before anybody touches it, else the speed at
+ * which it stays farthest from people. */
 static float safe_speed(const struct jp_patrol *patrol, float now)
 {
     /* Of the highest speed. */
@@ -328,12 +425,14 @@ static float safe_speed(const struct jp_patrol *patrol, float now)
 
     lay_out(patrol, &course);
 
-    float nearest = nearest_if_braked(patrol, &course, now);
+    const float if_braked = nearest_if_braked(patrol, &course, now);
+    float nearest = if_braked;
 
     for (unsigned i = 0; i < sizeof shares / sizeof shares[0]; i++) {
         const float speed = patrol->config.teb.speed_max * shares[i];
         const struct profile profile = {now, speed, patrol->config.teb.acceleration, patrol->config.latency};
-        const struct yield_outlook outlook = look_along(patrol, &course, &profile, horizon_of(patrol));
+        const float horizon = horizon_of(patrol, jp_plane_larger(now, speed));
+        const struct yield_outlook outlook = look_along(patrol, &course, &profile, horizon);
 
         if (outlook.is_free) {
             return speed;
@@ -343,7 +442,7 @@ static float safe_speed(const struct jp_patrol *patrol, float now)
             best = speed;
         }
     }
-    return best;
+    return if_braked > TOUCH ? 0.0f : best;
 }
 
 /* The command slowed down to a speed, with its curve kept. */
@@ -414,7 +513,9 @@ void jp_patrol_yield(struct jp_patrol *patrol, const struct jp_plane_speed *spee
     const struct jp_plane_speed *const command = &patrol->internal.command;
     const float wanted = speed_of(patrol, command->forward, patrol->internal.sideways, command->turn_rate);
 
-    patrol->internal.is_yielding = patrol->state == JP_PATROL_WAITING && sees_people(patrol);
+    /* Who has yielded and stands, for whatever reason now, would get on without people. */
+    patrol->internal.is_yielding =
+        (patrol->state == JP_PATROL_WAITING || (was_yielding && wanted <= 0.0f)) && sees_people(patrol);
     if (wanted > 0.0f && sees_anybody(patrol)) {
         const float now = speed_of(patrol, speed->forward, patrol->internal.sideways_before, speed->turn_rate);
         const float safe = safe_speed(patrol, now);

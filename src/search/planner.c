@@ -6,7 +6,9 @@
 #include "src/search/planner_layout.h"
 #include "src/search/planner_phases.h"
 #include "src/search/planner_route.h"
+#include "src/search/planner_search.h"
 #include "src/search/planner_start.h"
+#include "src/search/planner_states.h"
 
 static bool is_schedule(const uint16_t *epsilon)
 {
@@ -294,4 +296,33 @@ const struct jp_lattice *jp_planner_lattice(const struct jp_planner *planner)
 const struct jp_planner_counts *jp_planner_statistics(const struct jp_planner *planner)
 {
     return &planner->internal.statistics;
+}
+
+/* ---- What the search holds ---- */
+
+/** Slots that hold states: before the search begins, and while fields have its memory, none does. */
+static uint32_t slots_of_search(const struct jp_planner_internal *planner)
+{
+    const bool has_begun = planner->phase >= JP_PLANNER_CHECK_PLAN;
+
+    return has_begun && planner->lent == JP_PLANNER_LENT_TO_NONE ? planner->search.slot_count : 0U;
+}
+
+bool jp_planner_next_state(const struct jp_planner *planner, uint32_t *slot, struct jp_lattice_pose *pose,
+                           bool *is_open)
+{
+    const struct jp_planner_internal *inner = &planner->internal;
+    const uint32_t slots = slots_of_search(inner);
+
+    while (*slot < slots) {
+        const struct jp_planner_state *state = &inner->search.states[*slot];
+
+        *slot += 1U;
+        if (jp_planner_state_is_used(state)) {
+            *pose = jp_search_pose_of(inner, (uint32_t)state->id);
+            *is_open = state->queued != 0U;
+            return true;
+        }
+    }
+    return false;
 }

@@ -11,6 +11,12 @@ static int32_t root(int32_t x)
     return (int32_t)jp_square_root((uint64_t)(uint32_t)x << 30);
 }
 
+/* √(x² + y²), saturated. */
+static int32_t length(int32_t x, int32_t y)
+{
+    return jp_saturate32((int64_t)jp_square_root((uint64_t)jp_multiply(x, x) + (uint64_t)jp_multiply(y, y)));
+}
+
 /* Of γ: σγ² (1 − share (1 − variance of r)), Q24. */
 static jp_q24 scale_deviation(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
 {
@@ -75,8 +81,7 @@ void jp_skid_odometry_estimate(const struct jp_skid_odometry *odometry, const st
     const int32_t steps = odometry->internal.past.steps >> 8;
     const int64_t by_bias = jp_multiply(steps, bias) >> 16; /* turn, Q24; so the next */
     const int64_t by_scale = jp_multiply(odometry->internal.past.turned, scale) >> 24;
-    const int32_t turned =
-        jp_saturate32((int64_t)jp_square_root((uint64_t)(jp_skid_square(by_bias) + jp_skid_square(by_scale))));
+    const int32_t turned = length(jp_saturate32(by_bias), jp_saturate32(by_scale));
     const jp_q24 ratio =
         jp_multiply_shift(odometry->internal.gyro.ratio_unit, root(odometry->internal.gyro.ratio_ratio), 30);
     const jp_q24 of_scale = jp_multiply_shift(scale, config->ratio, 24);
@@ -84,8 +89,7 @@ void jp_skid_odometry_estimate(const struct jp_skid_odometry *odometry, const st
     estimate->gyro_bias = odometry->bias_rate;
     estimate->gyro_bias_deviation = jp_multiply_shift(bias, odometry->internal.speed_per_way, 32);
     estimate->steering_ratio = odometry->steering_ratio;
-    estimate->steering_ratio_deviation =
-        (jp_q24)jp_square_root((uint64_t)(jp_skid_square(ratio) + jp_skid_square(of_scale)));
+    estimate->steering_ratio_deviation = length(ratio, of_scale);
     estimate->slip = jp_divide((int64_t)jp_sub(step->way, step->forward) * JP_Q24_ONE, step->way);
     estimate->slip_deviation = config->way_deviation;
     estimate->grade_ahead = odometry->internal.tilt.state[JP_SKID_TILT_AHEAD];

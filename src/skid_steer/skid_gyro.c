@@ -21,6 +21,12 @@
 /* What the scale is corrected by at most. */
 #define SCALE_ERROR_MAX (JP_SKID_ONE / 4)
 
+/* Of what the wheels show of a turn, over bias_unit² in Q30, at most, and what pushes the robot makes of its deviation,
+ * Q4. */
+#define TURN_VARIANCE_MAX ((int64_t)1 << 40)
+#define UNSURE_ONE        16
+#define UNSURE_MAX        256
+
 /* ---- Start ---- */
 
 /* x · step / s, rounded down. */
@@ -57,6 +63,7 @@ void jp_skid_gyro_start(struct jp_skid_gyro *gyro, const struct jp_skid_odometry
         .bias_growth = (int32_t)(in_a_step(config, JP_SKID_ONE) / (int64_t)config->bias_memory) + 1,
         .way_variance = jp_saturate32((way * way) >> 2),
         .turn_variance = jp_saturate32((turn * turn * RADIANS_INVERSE_Q16) >> 16),
+        .per_turn_noise = jp_divide((int64_t)JP_Q24_ONE * UNSURE_ONE, config->turn_noise),
         .gyro_variance = jp_skid_variance(noise * noise * 4 / (int64_t)config->step_ticks, JP_SKID_VARIANCE_MAX),
         .count_variance = count * count / 6,
     };
@@ -64,14 +71,23 @@ void jp_skid_gyro_start(struct jp_skid_gyro *gyro, const struct jp_skid_odometry
 
 /* ---- Filter ---- */
 
+/* Of what the wheels show of the turn, over bias_unit², Q30: what pushes the robot is known by its size only. */
+static int64_t turn_noise_of(const struct jp_skid_gyro *gyro, const struct jp_skid_step *step)
+{
+    const int64_t turn = jp_absolute64(jp_multiply(gyro->turn_variance, step->wheel_turn));
+    const int32_t unsure =
+        jp_skid_lesser(jp_add(UNSURE_ONE, jp_skid_part(step->pushed, gyro->per_turn_noise)), UNSURE_MAX);
+
+    return (turn < TURN_VARIANCE_MAX ? turn : TURN_VARIANCE_MAX) * (unsure * unsure) / (UNSURE_ONE * UNSURE_ONE);
+}
+
 /* Of what the wheels show of the turn and of the gyro's noise, over bias_unit², Q30. */
 static int64_t noise_of(const struct jp_skid_gyro *gyro, const struct jp_skid_step *step, bool is_moving)
 {
     const int64_t way = jp_multiply(gyro->way_variance, step->way);
-    const int64_t turn = jp_multiply(gyro->turn_variance, step->wheel_turn);
     const int64_t counting = is_moving ? gyro->count_variance : 0;
 
-    return gyro->gyro_variance + counting + (jp_absolute64(way) >> 16) + jp_absolute64(turn);
+    return gyro->gyro_variance + counting + (jp_absolute64(way) >> 16) + turn_noise_of(gyro, step);
 }
 
 /* Q30 · Q24; the result is part of a variance. */

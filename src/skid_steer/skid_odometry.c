@@ -223,6 +223,7 @@ static void work(struct jp_skid_odometry *odometry, const struct jp_skid_odometr
         odometry->internal.next = JP_SKID_FILTER_HEADING;
         break;
     case JP_SKID_FILTER_HEADING:
+        jp_skid_slip_push(&odometry->internal.slip, config, step);
         jp_skid_gyro_learn(&odometry->internal.gyro, step, odometry->internal.is_moving);
         odometry->internal.next = JP_SKID_CORRECT_POSE;
         break;

@@ -638,7 +638,8 @@ enum jp_status jp_skid_robot_follow(struct jp_skid_robot *robot, const struct jp
 jp_q24 jp_skid_robot_stopping_distance(const struct jp_skid_robot_config *config, jp_q24 speed)
 {
     const jp_q24 size = jp_absolute32(speed);
-    const jp_q24 braking = jp_divide(jp_multiply(size, size) / 8 * 9, 2 * config->limits.acceleration);
+    const jp_q24 braking =
+        jp_divide(jp_multiply(size, size) / 8 * 9, jp_add(config->limits.acceleration, config->limits.acceleration));
     const jp_q24 reacting = jp_divide((int64_t)size * REACTION_TICKS, (int32_t)config->control.tick_rate);
 
     return jp_add(braking, reacting);

@@ -11,6 +11,10 @@
 /* The grade ahead changes by 1/64 of what the one to the left does, for the pitch gyro tells. */
 #define AHEAD_FADING_SHIFT 6U
 
+/* What wheels and accelerometer tell of an acceleration differs by as much, and fades by 1/8 in a step: treads yield
+ * late. */
+#define UNREST_SHIFT 3U
+
 /* The bias of the pitch gyro takes 1/64 of what it shows in a step at rest. */
 #define PITCH_SHARE_SHIFT 6U
 
@@ -112,8 +116,13 @@ void jp_skid_tilt_learn(struct jp_skid_tilt *tilt, const struct jp_skid_step *st
         jp_add(tilt->grade_covariance, tilt->offset_covariance[LEFT]),
         jp_add(tilt->variance[OFFSET], tilt->offset_covariance[AHEAD]),
     };
-    const int32_t doubt = jp_skid_part(acceleration, tilt->reciprocal); /* Q15 */
-    const int64_t variance = (int64_t)of[AHEAD] + of[OFFSET] + tilt->accel_variance + jp_multiply(doubt, doubt) / 4;
+    const jp_q24 fading = tilt->unrest - (tilt->unrest >> UNREST_SHIFT);
+    const jp_q24 accelerated = jp_skid_size(acceleration);
+
+    tilt->unrest = accelerated > fading ? accelerated : fading;
+
+    const int32_t doubt = jp_skid_part(tilt->unrest, tilt->reciprocal); /* Q15 */
+    const int64_t variance = (int64_t)of[AHEAD] + of[OFFSET] + tilt->accel_variance + jp_multiply(doubt, doubt);
 
     correct(tilt, jp_sub(step->force, expected), of, variance);
 }

@@ -25,7 +25,7 @@ const struct jp_patrol_config jp_patrol_config_patrol = {
                     .rear = 0.4f,       /* m */
                     .half_width = 0.3f, /* m */
                 },
-            .clearance = 0.14f, /* m */
+            .clearance = 0.16f, /* m */
             .interval = 0.25f,  /* s */
             .hysteresis = 0.1f, /* s */
             .rounds = 3U,

@@ -1,7 +1,8 @@
 /* What the patrol takes beside plain path following: energy and time of the improved band over those of pure pursuit on
- * the same scenes, where pure pursuit arrives. The figures are of seeds that no part of the robot was designed on.
- * Prints figures as JSON; on stderr, where both take time and energy: by states, of the energy the part of electronics,
- * and of the time that at a stand.
+ * the same scenes, where pure pursuit arrives. It does not turn to the goal's heading: beside that stands what it takes
+ * with the turn that it leaves out, as the robot turns in place there with nobody around, "to the same pose". The
+ * figures are of seeds that no part of the robot was designed on. Prints figures as JSON; on stderr, where both take
+ * time and energy: by states, of the energy the part of electronics, and of the time that at a stand.
  *
  * bench_joules [--seed FIRST] [--count N]
  * --count is the number of drives a scene. */
@@ -44,6 +45,7 @@ struct drive {
 struct pair {
     struct drive band;
     struct drive pursuit;
+    struct drive turn; /* after pursuit, to the goal's heading */
 };
 
 struct campaign {
@@ -96,6 +98,19 @@ static void run(const struct four_wheel_file *robot, const struct patrol_scene *
     }
 }
 
+/* From where pursuit has ended. */
+static void turn(const struct four_wheel_file *robot, const struct patrol_scene *scene, uint64_t seed,
+                 struct pair *pair)
+{
+    struct patrol_scene end = *scene;
+
+    end.start = pair->pursuit.pose;
+    end.goal.x = end.start.x;
+    end.goal.y = end.start.y;
+    end.people_count = 0;
+    run(robot, &end, PATROL_IMPROVED, seed, &pair->turn);
+}
+
 static void drive_index(void *context, size_t index)
 {
     struct campaign *campaign = context;
@@ -108,6 +123,7 @@ static void drive_index(void *context, size_t index)
     run(&campaign->robot, &scene, PATROL_PURSUIT, options.seed + number, &pair->pursuit);
     if (pair->pursuit.result.outcome == PATROL_ARRIVED) {
         run(&campaign->robot, &scene, PATROL_IMPROVED, options.seed + number, &pair->band);
+        turn(&campaign->robot, &scene, options.seed + number, pair);
     }
     patrol_scene_free(&scene);
 }
@@ -121,6 +137,9 @@ struct summary {
     double energy; /* of the ratios */
     double time;
     double length;
+    double turned; /* of the pairs, those in which the robot could turn where pursuit ended */
+    double energy_turned;
+    double time_turned;
     struct share band[STATES];
     struct share pursuit[STATES];
 };
@@ -151,6 +170,11 @@ static void add_pair(struct summary *summary, const struct pair *pair)
     summary->energy += band->energy_j / pursuit->energy_j;
     summary->time += band->time / pursuit->time;
     summary->length += band->length / pursuit->length;
+    if (pair->turn.result.outcome == PATROL_ARRIVED) {
+        summary->turned++;
+        summary->energy_turned += band->energy_j / (pursuit->energy_j + pair->turn.result.energy_j);
+        summary->time_turned += band->time / (pursuit->time + pair->turn.result.time);
+    }
     add_shares(summary->band, &pair->band);
     add_shares(summary->pursuit, &pair->pursuit);
 }
@@ -176,8 +200,11 @@ static void print_summary(const char *name, const struct summary *summary, doubl
 {
     const double pairs = summary->pairs;
 
-    (void)fprintf(stderr, "%s: %.0f pairs, %.0f failed; energy %.3f, time %.3f, way %.3f\n", name, pairs,
-                  summary->failed, summary->energy / pairs, summary->time / pairs, summary->length / pairs);
+    (void)fprintf(stderr,
+                  "%s: %.0f pairs, %.0f failed; energy %.3f, time %.3f, way %.3f; to the same pose energy %.3f, time "
+                  "%.3f\n",
+                  name, pairs, summary->failed, summary->energy / pairs, summary->time / pairs, summary->length / pairs,
+                  summary->energy_turned / summary->turned, summary->time_turned / summary->turned);
     print_shares(patrol_method_names[PATROL_IMPROVED], summary->band, pairs, electronics_w);
     print_shares(patrol_method_names[PATROL_PURSUIT], summary->pursuit, pairs, electronics_w);
 }
@@ -196,6 +223,14 @@ static void add_figures(json_t *figures, const char *name, const struct summary 
                     "patrol robot beside path following, %s, %zu drives a scene: energy, mean", name, options.count);
         figures_add(figures, COMMAND, summary->time / pairs, "×", has_bars ? at_most(TIME_BAR) : no_bar,
                     "patrol robot beside path following, %s, %zu drives a scene: time, mean", name, options.count);
+    }
+    if (summary->turned > 0) {
+        figures_add(figures, COMMAND, summary->energy_turned / summary->turned, "×", no_bar,
+                    "patrol robot beside path following, %s, %zu drives a scene: energy to the same pose, mean", name,
+                    options.count);
+        figures_add(figures, COMMAND, summary->time_turned / summary->turned, "×", no_bar,
+                    "patrol robot beside path following, %s, %zu drives a scene: time to the same pose, mean", name,
+                    options.count);
     }
 }
 

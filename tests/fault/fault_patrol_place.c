@@ -19,41 +19,18 @@ static void check_place(double fault)
     }
 }
 
-/* It has stood for a second when it touches something: the ground that falls off to one side has moved it there. */
-static bool has_slid_there(void)
-{
-    const size_t stood = (size_t)(1 / PERIOD);
-
-    for (size_t i = 0; i < stood && i < sample_count; i++) {
-        const struct sample *const sample = &samples[sample_count - 1U - i];
-
-        if (sample->state != JP_PATROL_WAITING && i > 1U) {
-            return false;
-        }
-    }
-    return result.outcome == PATROL_COLLIDED && sample_count > stood;
-}
-
-/* One drive may end so, in which it waits a hand's breadth from a door post, longer than it takes to slide there. */
 static void test_on_slippery_ground_it_arrives(void)
 {
     static const enum patrol_scene_kind kinds[] = {PATROL_L_PASSAGE, PATROL_DOORWAY, PATROL_CORRIDOR};
-
-    unsigned slid = 0;
 
     what = "slippery ground";
     for (size_t i = 0; i < SEEDS * sizeof kinds / sizeof kinds[0]; i++) {
         make(kinds[i / SEEDS], SEED + i % SEEDS);
         task.faults.slip = true;
         drive();
-        if (has_slid_there()) {
-            slid++;
-            continue;
-        }
         check(result.outcome == PATROL_ARRIVED, "outcome", 0, result.outcome);
         check_place(0);
     }
-    check(slid <= 1, "drives in which it slid into something", 0, slid);
     report();
 }
 

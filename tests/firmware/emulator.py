@@ -12,12 +12,17 @@ NOWHERE = 0x00000000  # forbidden by the MPU
 SLICE = 0.1  # s between two looks at how far it is: tens of ticks
 
 
-def image(robot):
-    return BUILD / f"firmware/{robot}/emulated.elf"
+# The boards that images are made for: where, and what QEMU calls them.
+FOLDERS = {"stm32f405": "firmware", "mps2": "mps2"}
+MACHINES = {"stm32f405": "netduinoplus2", "mps2": "mps2-an500"}
 
 
-def address_of(symbol, robot):
-    names = subprocess.run(["arm-none-eabi-nm", image(robot)], capture_output=True, text=True, check=True).stdout
+def image(robot, board="stm32f405"):
+    return BUILD / FOLDERS[board] / robot / "emulated.elf"
+
+
+def address_of(symbol, path):
+    names = subprocess.run(["arm-none-eabi-nm", path], capture_output=True, text=True, check=True).stdout
     return int(re.search(rf"^(\w+) \w {symbol}$", names, re.MULTILINE)[1], 16)
 
 
@@ -26,7 +31,7 @@ class Debugger:
 
     def __init__(self, path):
         self._socket = socket.socket(socket.AF_UNIX)
-        self._socket.connect(str(path))
+        wait_until(lambda: self._socket.connect_ex(str(path)) == 0, "the stub of QEMU listens")
         self._socket.settimeout(LIMIT)
         self._unread = b""
         self._ask(b"?")
@@ -75,10 +80,21 @@ class Debugger:
         self._send(b"s")
         self._receive()
 
+    def run_to(self, address):
+        """Until the program comes to the instruction."""
+        place = b"1,%x,2" % address
+        assert self._ask(b"Z" + place) == b"OK"
+        self.go_on()
+        self._receive()
+        assert self._ask(b"z" + place) == b"OK"
+
     def word(self, address):
         """None: not readable where the program is now, such as early in its start."""
         answer = self._ask(b"m%x,4" % address)
         return None if answer.startswith(b"E") else int.from_bytes(bytes.fromhex(answer.decode()), "little")
+
+    def write_word(self, address, word):
+        assert self._ask(b"M%x,4:%s" % (address, word.to_bytes(4, "little").hex().encode())) == b"OK"
 
     def jump(self, address):
         """The next instruction is that one."""
@@ -86,13 +102,16 @@ class Debugger:
 
 
 class Emulator(Program):
-    """The image for a robot on a board of QEMU, an STM32F405 unless another is named; `line` is its first UART."""
+    """An image on a board of QEMU; `line` is its first UART. Without a path it is the one of a robot for processor in the
+    loop. By a counted clock (`icount`) time passes as the program goes on, not as this machine gets to it."""
 
-    def __init__(self, folder, robot, *, machine="netduinoplus2", debug=False):
-        self._stub, self._robot = folder / "stub", robot
-        options = ["-gdb", f"unix:{self._stub},server=on,wait=off"] if debug else []
+    def __init__(self, folder, robot, *, board="stm32f405", machine=None, path=None, debug=False, icount=False):
+        self._stub, self.path = folder / "stub", path or image(robot, board)
+        machine = machine or MACHINES[board]
+        options = [*(["-gdb", f"unix:{self._stub},server=on,wait=off"] if debug else []),
+                   *(["-icount", "shift=3"] if icount else [])]
         super().__init__(folder, "qemu", ["qemu-system-arm", "-M", machine, "-nographic", "-monitor", "none",
-                                          "-serial", "pty", "-kernel", image(robot), *options])
+                                          "-serial", "pty", "-kernel", self.path, *options])
         wait_until(lambda: LINE.search(self.out.read_text()) or not self.running, "the line of QEMU")
         wait_until(lambda: self._stub.exists() or not debug or not self.running, "the stub of QEMU")
         found = LINE.search(self.out.read_text())
@@ -106,10 +125,14 @@ class Emulator(Program):
         self.process.kill()
         self.process.wait()
 
+    def debugger(self):
+        """The program stands still from now on."""
+        return Debugger(self._stub)
+
     def crash(self, tick, plant):
         """Makes the program go astray soon after so many ticks of a drive, as a corrupt return address would."""
-        debugger = Debugger(self._stub)
-        counter = address_of("jp_fault_tick", self._robot)
+        debugger = self.debugger()
+        counter = address_of("jp_fault_tick", self.path)
         while (debugger.word(counter) or 0) < tick:
             debugger.run(SLICE)
             assert plant.running, plant.err.read_text()

@@ -5,8 +5,8 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "hal/stm32f4/cortex_m.h"
-#include "hal/stm32f4/fault.h"
+#include "hal/cortex_m/cortex_m.h"
+#include "hal/cortex_m/fault.h"
 #include "tests/target/target.h"
 
 #define KEEP __attribute__((section(".noinit")))
@@ -14,9 +14,9 @@
 #define MAGIC 0x4A504654U
 
 /** Not the next one, whose read ahead the core may have cached. */
-#define FAR_AWAY ((volatile uint32_t *)0x60000000U)
+#define FAR_AWAY ((volatile uint32_t *)0x90000000U)
 
-/** An interrupt that nobody uses: EXTI0. */
+/** An interrupt that nobody uses on either board: of pins. */
 #define UNUSED_IRQ 6U
 
 KEEP static uint32_t magic;
@@ -25,7 +25,6 @@ KEEP static uint32_t failures;
 KEEP static uint32_t switched_off;
 
 /** Stands for the bridges. */
-void jp_bridges_off(void);
 void jp_bridges_off(void)
 {
     switched_off++;
@@ -106,7 +105,7 @@ static void overflow_handler_stack(void)
 
 static void crash_in_handler(void)
 {
-    SCB.ICSR = 1U << 28; /* PendSV */
+    SCB.ICSR = ICSR_PENDSVSET;
     jp_finish_writes();
 }
 
@@ -184,8 +183,8 @@ static const char *problem_of(const struct test *test, const struct jp_reset_rep
 /** Below the faults, as the firmware's own handlers are. */
 static void lower_handlers(void)
 {
-    SCB.SHPR[7] = NVIC_PRIORITY(2);  /* SVC */
-    SCB.SHPR[10] = NVIC_PRIORITY(2); /* PendSV */
+    SCB.SHPR[7] = NVIC_PRIORITY(2); /* SVC */
+    SCB.SHPR[SHPR_PENDSV] = NVIC_PRIORITY(2);
 }
 
 static void start(void)

@@ -11,7 +11,7 @@
 #define main firmware_main
 #include <joulepath/tables.h>
 
-#include "hal/stm32f4/firmware_balancer.c"
+#include "hal/firmware/firmware_balancer.c"
 #include "hal/stm32f4/main.c"
 #undef main
 

@@ -17,22 +17,25 @@ def fixture_programs(tmp_path):
         yield programs
 
 
-@pytest.mark.parametrize("robot", ["courier24", "zhang2018", "burger"])
-def test_the_image_drives_as_the_program_does(programs, tmp_path, robot):
+@pytest.mark.parametrize(("board", "robot"), [
+    ("stm32f405", "courier24"), ("stm32f405", "zhang2018"), ("stm32f405", "burger"),
+    ("mps2", "courier24"), ("mps2", "burger")])
+def test_the_image_drives_as_the_program_does(programs, tmp_path, board, robot):
     """The balancer whose controller uses all of its parts, and both that their sides steer."""
     scenario = write_scenario(tmp_path / "short.cfg", *ROUTE, robot=robot)
     expected = drive_in_process(scenario, tmp_path / "in-process")
-    with Emulator(tmp_path, robot) as emulator:
+    with Emulator(tmp_path, robot, board=board) as emulator:
         plant = programs.plant(scenario, "--bus", f"slcan:{emulator.line}", "--output", tmp_path / "pil", "--frames")
         assert_done(plant)
     assert_same_drive(expected, tmp_path / "pil")
 
 
-def test_a_crash_in_mid_drive_ends_in_a_balanced_stand(programs, tmp_path):
+@pytest.mark.parametrize("board", ["stm32f405", "mps2"])
+def test_a_crash_in_mid_drive_ends_in_a_balanced_stand(programs, tmp_path, board):
     """The program goes astray: the fault handler resets, and the robot goes on from its record before the bridges fall
     silent. The operator sees that the controller has restarted."""
     scenario = write_scenario(tmp_path / "longer.cfg", *LONGER)
-    with Emulator(tmp_path, "gao2018", debug=True) as emulator:
+    with Emulator(tmp_path, "gao2018", board=board, debug=True) as emulator:
         plant = programs.plant(scenario, "--bus", f"slcan:{emulator.line}", "--output", tmp_path / "pil")
         with emulator.crash(MID_DRIVE, plant):
             result = plant.wait()

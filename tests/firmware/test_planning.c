@@ -9,8 +9,8 @@
 #include <joulepath/tables.h>
 
 #include "hal/app/navigation_memory.h"
-#include "hal/stm32f4/cortex_m.h"
-#include "hal/stm32f4/fault.h"
+#include "hal/cortex_m/cortex_m.h"
+#include "hal/cortex_m/fault.h"
 #include "hal/stm32f4/timer.h"
 #include "tests/support/ecu_start.h"
 #include "tests/support/map_frames.h"
@@ -92,7 +92,6 @@ static uint32_t replan_counts; /* of its work until now */
 static uint32_t replans[REPLANS_MAX];
 static uint32_t replan_count;
 
-void jp_bridges_off(void);
 void jp_bridges_off(void)
 {
 }

@@ -5,6 +5,7 @@
 #include <joulepath/robot.h>
 #include <joulepath/tables.h>
 
+#include "tests/fuzz/fuzz_config.h"
 #include "tests/fuzz/fuzz_sensors.h"
 
 #define TICKS 1000U
@@ -17,11 +18,6 @@ static bool runs(void)
     const enum jp_robot_state state = jp_robot_state_now(&robot);
 
     return state == JP_ROBOT_BALANCING || state == JP_ROBOT_DRIVING;
-}
-
-static bool within(jp_q16 voltage, jp_q16 limit)
-{
-    return voltage <= limit && voltage >= -limit;
 }
 
 static void check_tick(const struct jp_actuation *actuation, bool may_run)
@@ -38,7 +34,8 @@ static void check_tick(const struct jp_actuation *actuation, bool may_run)
         fuzz_require(good != NULL && good->bus_voltage >= config.monitor.voltage_min &&
                          good->bus_voltage <= config.monitor.voltage_max,
                      "a supply that cannot be");
-        fuzz_require(within(last->voltages.left, good->bus_voltage) && within(last->voltages.right, good->bus_voltage),
+        fuzz_require(fuzz_within(last->voltages.left, good->bus_voltage) &&
+                         fuzz_within(last->voltages.right, good->bus_voltage),
                      "voltages beyond the supply");
     }
     fuzz_require(last->state <= JP_ROBOT_FAULT, "state of the robot");
@@ -94,7 +91,7 @@ static bool start(struct fuzz_input *input, const struct jp_snapshot *retained)
     const char *field = NULL;
     const enum jp_status status = jp_robot_init(&robot, &config, &field);
 
-    fuzz_require(status == JP_OK || (status == JP_ERR_CONFIG && field != NULL && field[0] != '\0'), "a nameless field");
+    (void)fuzz_accepted(status, field);
     if (status == JP_OK && fuzz_bool(input)) {
         jp_robot_know_gyro_bias(&robot, (int64_t)fuzz_range(input, -JP_Q24(0.05), JP_Q24(0.05)) * (INT64_C(1) << 32));
     }

@@ -9,6 +9,7 @@
 #include <joulepath/robot.h>
 #include <joulepath/tables.h>
 
+#include "tests/fuzz/fuzz_config.h"
 #include "tests/fuzz/fuzz_sensors.h"
 
 #define TICKS 250U
@@ -34,12 +35,6 @@ static void draw(struct fuzz_input *input, void *part, size_t size)
 }
 
 #define DRAW(input, part) draw(input, &(part), sizeof(part))
-
-static bool accepted(enum jp_status status, const char *field)
-{
-    fuzz_require(status == JP_OK || (status == JP_ERR_CONFIG && field != NULL && field[0] != '\0'), "a nameless field");
-    return status == JP_OK;
-}
 
 static void follow(struct fuzz_input *input, const struct jp_motion_state *state)
 {
@@ -97,12 +92,12 @@ static bool start(struct fuzz_input *input)
     DRAW(input, config.monitor);
     DRAW(input, config.meter);
     DRAW(input, current_config);
-    return accepted(jp_estimator_check(&config.estimator, &field), field) &&
-           accepted(jp_reference_check(&config.reference, &field), field) &&
-           accepted(jp_lqr_check(&config.lqr, &field), field) &&
-           accepted(jp_monitor_check(&config.monitor, &field), field) &&
-           accepted(jp_meter_check(&config.meter, &field), field) &&
-           accepted(jp_current_check_check(&current_config, &field), field);
+    return fuzz_accepted(jp_estimator_check(&config.estimator, &field), field) &&
+           fuzz_accepted(jp_reference_check(&config.reference, &field), field) &&
+           fuzz_accepted(jp_lqr_check(&config.lqr, &field), field) &&
+           fuzz_accepted(jp_monitor_check(&config.monitor, &field), field) &&
+           fuzz_accepted(jp_meter_check(&config.meter, &field), field) &&
+           fuzz_accepted(jp_current_check_check(&current_config, &field), field);
 }
 
 static void check_currents(const struct jp_motor_sample *sample)

@@ -6,6 +6,7 @@
 #include <joulepath/skid_learner.h>
 #include <joulepath/tables.h>
 
+#include "tests/fuzz/fuzz_config.h"
 #include "tests/fuzz/fuzz_input.h"
 
 static struct jp_skid_learning skid_learning;
@@ -14,12 +15,6 @@ static struct jp_skid_learner skid;
 static struct jp_factor_learning wheel_learning;
 static struct jp_four_wheel_energy_model wheel_model;
 static struct jp_four_wheel_learner wheels;
-
-static bool accepted(enum jp_status status, const char *field)
-{
-    fuzz_require(status == JP_OK || (status == JP_ERR_CONFIG && field != NULL && field[0] != '\0'), "a nameless field");
-    return status == JP_OK;
-}
 
 static void check_factors(const jp_q16 *factor, const jp_q16 *deviation, unsigned count)
 {
@@ -125,8 +120,8 @@ static void restore(struct fuzz_input *input)
     const char *field = NULL;
 
     FUZZ_CHANGE(input, state);
-    (void)accepted(jp_skid_learner_restore(&skid, &state, &field), field);
-    (void)accepted(jp_four_wheel_learner_restore(&wheels, &state, &field), field);
+    (void)fuzz_accepted(jp_skid_learner_restore(&skid, &state, &field), field);
+    (void)fuzz_accepted(jp_four_wheel_learner_restore(&wheels, &state, &field), field);
 }
 
 static bool start(struct fuzz_input *input)
@@ -141,10 +136,10 @@ static bool start(struct fuzz_input *input)
     FUZZ_CHANGE(input, skid_model);
     FUZZ_CHANGE(input, wheel_learning);
     FUZZ_CHANGE(input, wheel_model);
-    if (!accepted(jp_skid_learning_check(&skid_learning, &field), field) ||
-        !accepted(jp_skid_energy_check(&skid_model, &field), field) ||
-        !accepted(jp_factor_learning_check(&wheel_learning, &field), field) ||
-        !accepted(jp_four_wheel_energy_check(&wheel_model, &field), field)) {
+    if (!fuzz_accepted(jp_skid_learning_check(&skid_learning, &field), field) ||
+        !fuzz_accepted(jp_skid_energy_check(&skid_model, &field), field) ||
+        !fuzz_accepted(jp_factor_learning_check(&wheel_learning, &field), field) ||
+        !fuzz_accepted(jp_four_wheel_energy_check(&wheel_model, &field), field)) {
         return false;
     }
     jp_skid_learner_start(&skid, &skid_learning, &skid_model);

@@ -9,16 +9,11 @@
 #include <joulepath/tables.h>
 #include <joulepath/tariff.h>
 
+#include "tests/fuzz/fuzz_config.h"
 #include "tests/fuzz/fuzz_input.h"
 
 static struct jp_four_wheel_config config;
 static struct jp_skid_steer_config skid;
-
-static bool accepted(enum jp_status status, const char *field)
-{
-    fuzz_require(status == JP_OK || (status == JP_ERR_CONFIG && field != NULL && field[0] != '\0'), "a nameless field");
-    return status == JP_OK;
-}
 
 static void check_wheels(const struct jp_wheels *wheels)
 {
@@ -121,12 +116,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     skid = fuzz_bool(&input) ? jp_skid_steer_zhang2018 : jp_skid_steer_burger;
     FUZZ_CHANGE(&input, config);
     FUZZ_CHANGE(&input, skid);
-    if (accepted(jp_skid_steer_check(&skid, &field), field)) {
+    if (fuzz_accepted(jp_skid_steer_check(&skid, &field), field)) {
         for (unsigned left = 1U + fuzz_below(&input, 8); left > 0U; left--) {
             charge(&input);
         }
     }
-    if (accepted(jp_four_wheel_check(&config, &field), field)) {
+    if (fuzz_accepted(jp_four_wheel_check(&config, &field), field)) {
         forward_of_any(&input);
         drive(&input);
     }

@@ -6,6 +6,7 @@
 #include <joulepath/learner.h>
 #include <joulepath/tables.h>
 
+#include "tests/fuzz/fuzz_config.h"
 #include "tests/fuzz/fuzz_input.h"
 
 static struct jp_learning learning;
@@ -13,12 +14,6 @@ static struct jp_energy_model model;
 static struct jp_horizon horizon;
 static struct jp_learner learner;
 static bool is_made_up; /* the state that it learned on from */
-
-static bool accepted(enum jp_status status, const char *field)
-{
-    fuzz_require(status == JP_OK || (status == JP_ERR_CONFIG && field != NULL && field[0] != '\0'), "a nameless field");
-    return status == JP_OK;
-}
 
 static void check_learner(void)
 {
@@ -130,7 +125,7 @@ static void restore(struct fuzz_input *input)
     const char *field = NULL;
 
     FUZZ_CHANGE(input, state);
-    is_made_up = accepted(jp_learner_restore(&learner, &state, &field), field) || is_made_up;
+    is_made_up = fuzz_accepted(jp_learner_restore(&learner, &state, &field), field) || is_made_up;
     check_learner();
 }
 
@@ -145,9 +140,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     FUZZ_CHANGE(&input, learning);
     FUZZ_CHANGE(&input, model);
     FUZZ_CHANGE(&input, horizon);
-    if (!accepted(jp_learning_check(&learning, &field), field) ||
-        !accepted(jp_energy_model_check(&model, &field), field) ||
-        !accepted(jp_horizon_check(&horizon, &field), field)) {
+    if (!fuzz_accepted(jp_learning_check(&learning, &field), field) ||
+        !fuzz_accepted(jp_energy_model_check(&model, &field), field) ||
+        !fuzz_accepted(jp_horizon_check(&horizon, &field), field)) {
         return 0;
     }
     jp_learner_start(&learner, &learning, &model, fuzz_below(&input, 8) == 7U ? NULL : &horizon);

@@ -9,6 +9,7 @@
 #include <joulepath/skid_path_energy.h>
 #include <joulepath/tables.h>
 
+#include "tests/fuzz/fuzz_config.h"
 #include "tests/fuzz/fuzz_input.h"
 
 #define TARGETS    8U
@@ -42,12 +43,6 @@ static jp_q16 power(const void *context, const struct jp_motion *motion, jp_q24 
 
     (void)jp_skid_energy_power((const struct jp_skid_energy_model *)context, motion, grade, &watts);
     return watts;
-}
-
-static bool accepted(enum jp_status status, const char *field)
-{
-    fuzz_require(status == JP_OK || (status == JP_ERR_CONFIG && field != NULL && field[0] != '\0'), "a nameless field");
-    return status == JP_OK;
 }
 
 static struct jp_point draw_point(struct fuzz_input *input)
@@ -84,7 +79,7 @@ static void drive(struct fuzz_input *input, const struct jp_lattice_path *path)
     const char *field = NULL;
     uint16_t piece = 0;
 
-    if (!accepted(jp_path_drive_init(&drive, &config, &field), field)) {
+    if (!fuzz_accepted(jp_path_drive_init(&drive, &config, &field), field)) {
         return;
     }
     slide.ahead = fuzz_range(input, -JP_Q24_ONE, JP_Q24_ONE);
@@ -118,8 +113,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     FUZZ_CHANGE(&input, limits);
     FUZZ_CHANGE(&input, config);
     FUZZ_CHANGE(&input, model);
-    if (!accepted(jp_path_limits_check(&limits, &field), field) ||
-        !accepted(jp_skid_energy_check(&model, &field), field)) {
+    if (!fuzz_accepted(jp_path_limits_check(&limits, &field), field) ||
+        !fuzz_accepted(jp_skid_energy_check(&model, &field), field)) {
         return 0;
     }
     price.time = fuzz_range(&input, 0, JP_Q16(16384));

@@ -6,7 +6,7 @@
 #include <joulepath/tables.h>
 #include <math.h>
 
-#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/fuzz_plane.h"
 
 #define SIDE  32U
 #define BEAMS 90U
@@ -18,30 +18,13 @@ static uint64_t map_block[1024];
 static uint64_t block[65536 / sizeof(uint64_t)];
 static float ranges[BEAMS];
 
-/** Mostly of this size, and now and then any bits. */
-static float draw_float(struct fuzz_input *input, float most)
-{
-    float value;
-
-    if (fuzz_below(input, 32) == 31U) {
-        fuzz_fill(input, &value, sizeof value);
-        return value;
-    }
-    return most * (float)fuzz_range(input, -32768, 32767) / 32768.0f;
-}
-
-static struct jp_plane_pose draw_pose(struct fuzz_input *input, float most)
-{
-    return (struct jp_plane_pose){draw_float(input, most), draw_float(input, most), draw_float(input, 3.2f)};
-}
-
 static bool start(struct fuzz_input *input)
 {
     const struct jp_terrain_config terrain = {.width = (uint16_t)(1U + fuzz_below(input, SIDE)),
                                               .height = (uint16_t)(1U + fuzz_below(input, SIDE)),
                                               .resolution =
                                                   fuzz_bool(input) ? JP_Q16(0.2) : fuzz_range(input, 1, JP_Q16(8))};
-    const struct jp_plane_pose pose = draw_pose(input, 4.0f);
+    const struct jp_plane_pose pose = fuzz_pose(input, 4.0f);
     const char *field = NULL;
 
     fuzz_require(jp_terrain_init(&map, &terrain, map_block, sizeof map_block, &field) == JP_OK, "a small map");
@@ -67,13 +50,13 @@ static bool start(struct fuzz_input *input)
 
 static void draw_scan(struct fuzz_input *input, struct jp_scan *scan)
 {
-    const float everywhere = draw_float(input, 8.0f);
+    const float everywhere = fuzz_float(input, 8.0f);
 
     for (unsigned i = 0; i < BEAMS; i++) {
         ranges[i] = everywhere;
     }
     for (unsigned left = fuzz_below(input, 12); left > 0U; left--) {
-        const float range = draw_float(input, 6.0f);
+        const float range = fuzz_float(input, 6.0f);
         const uint32_t from = fuzz_below(input, BEAMS);
         const uint32_t count = fuzz_below(input, 24);
 
@@ -86,8 +69,8 @@ static void draw_scan(struct fuzz_input *input, struct jp_scan *scan)
                              .first_angle = -3.1f,
                              .angle_step = 0.068f};
     if (fuzz_below(input, 16) == 15U) {
-        scan->first_angle = draw_float(input, 7.0f);
-        scan->angle_step = draw_float(input, 0.1f);
+        scan->first_angle = fuzz_float(input, 7.0f);
+        scan->angle_step = fuzz_float(input, 0.1f);
     }
 }
 
@@ -113,11 +96,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     }
     draw_scan(&input, &seen.scan);
     for (unsigned left = 24; left > 0U && fuzz_more(&input); left--) {
-        seen.wheels.x += draw_float(&input, 0.1f);
-        seen.wheels.heading += draw_float(&input, 0.1f);
+        seen.wheels.x += fuzz_float(&input, 0.1f);
+        seen.wheels.heading += fuzz_float(&input, 0.1f);
         if (fuzz_below(&input, 16) == 15U) {
-            seen.wheels = draw_pose(&input, 8.0f);
-            seen.sensor = draw_pose(&input, 0.5f);
+            seen.wheels = fuzz_pose(&input, 8.0f);
+            seen.sensor = fuzz_pose(&input, 0.5f);
         }
         if (fuzz_bool(&input)) {
             draw_scan(&input, &seen.scan);

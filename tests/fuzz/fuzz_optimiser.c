@@ -8,6 +8,7 @@
 #include <joulepath/trajectory_optimiser.h>
 #include <math.h>
 
+#include "tests/fuzz/fuzz_config.h"
 #include "tests/fuzz/fuzz_input.h"
 
 #define LEGS 6U
@@ -19,12 +20,6 @@ static struct jp_passage given[LEGS];
 static struct jp_passage found[LEGS];
 static struct jp_optimiser_place places[LEGS];
 static struct jp_trajectory_leg legs[LEGS];
-
-static bool accepted(enum jp_status status, const char *field)
-{
-    fuzz_require(status == JP_OK || (status == JP_ERR_CONFIG && field != NULL && field[0] != '\0'), "a nameless field");
-    return status == JP_OK;
-}
 
 static struct jp_trajectory_task draw_task(struct fuzz_input *input)
 {
@@ -121,8 +116,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     model = small ? jp_energy_model_gao2018 : jp_energy_model_courier24_battery;
     FUZZ_CHANGE(&input, config);
     FUZZ_CHANGE(&input, model);
-    if (!accepted(jp_trajectory_check(&config, &field), field) ||
-        !accepted(jp_energy_model_check(&model, &field), field)) {
+    if (!fuzz_accepted(jp_trajectory_check(&config, &field), field) ||
+        !fuzz_accepted(jp_energy_model_check(&model, &field), field)) {
         return 0;
     }
     for (unsigned left = 6; left > 0U && fuzz_more(&input); left--) {

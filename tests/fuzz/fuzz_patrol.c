@@ -8,7 +8,8 @@
 #include <joulepath/tables.h>
 #include <math.h>
 
-#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/fuzz_config.h"
+#include "tests/fuzz/fuzz_plane.h"
 
 #define BEAMS  120U
 #define POINTS 16U
@@ -21,23 +22,6 @@ static struct jp_scan_matcher matcher;
 static uint64_t block[65536 / sizeof(uint64_t)];
 static float ranges[BEAMS];
 static struct jp_point path[POINTS];
-
-/** Mostly of this size, and now and then any bits. */
-static float draw_float(struct fuzz_input *input, float most)
-{
-    float value;
-
-    if (fuzz_below(input, 32) == 31U) {
-        fuzz_fill(input, &value, sizeof value);
-        return value;
-    }
-    return most * (float)fuzz_range(input, -32768, 32767) / 32768.0f;
-}
-
-static struct jp_plane_pose draw_pose(struct fuzz_input *input, float most)
-{
-    return (struct jp_plane_pose){draw_float(input, most), draw_float(input, most), draw_float(input, 3.2f)};
-}
 
 static bool start(struct fuzz_input *input)
 {
@@ -54,19 +38,18 @@ static bool start(struct fuzz_input *input)
 
     const enum jp_status status = jp_patrol_init(&patrol, &config, &field);
 
-    fuzz_require(status == JP_OK || (status == JP_ERR_CONFIG && field != NULL && field[0] != '\0'), "a nameless field");
-    return status == JP_OK;
+    return fuzz_accepted(status, field);
 }
 
 static void draw_scan(struct fuzz_input *input)
 {
-    const float everywhere = draw_float(input, 8.0f);
+    const float everywhere = fuzz_float(input, 8.0f);
 
     for (unsigned i = 0; i < BEAMS; i++) {
         ranges[i] = everywhere;
     }
     for (unsigned left = fuzz_below(input, 8); left > 0U; left--) {
-        const float range = draw_float(input, 6.0f);
+        const float range = fuzz_float(input, 6.0f);
         const uint32_t from = fuzz_below(input, BEAMS);
         const uint32_t count = fuzz_below(input, 32);
 
@@ -80,8 +63,8 @@ static void draw_scan(struct fuzz_input *input)
                          .first_angle = -3.1f,
                          .angle_step = 0.05f};
     if (fuzz_below(input, 16) == 15U) {
-        seen.scan.first_angle = draw_float(input, 7.0f);
-        seen.scan.angle_step = draw_float(input, 0.1f);
+        seen.scan.first_angle = fuzz_float(input, 7.0f);
+        seen.scan.angle_step = fuzz_float(input, 0.1f);
     }
 }
 
@@ -103,9 +86,9 @@ static void follow(struct fuzz_input *input)
         goal.pose.x = (float)path[count - 1U].x / 65536.0f;
         goal.pose.y = (float)path[count - 1U].y / 65536.0f;
     }
-    goal.pose.heading = draw_float(input, 3.2f);
+    goal.pose.heading = fuzz_float(input, 3.2f);
     if (fuzz_below(input, 16) == 15U) {
-        goal.pose = draw_pose(input, 8.0f);
+        goal.pose = fuzz_pose(input, 8.0f);
     }
     (void)jp_patrol_follow(&patrol, path, count, &goal);
 }
@@ -127,7 +110,7 @@ static void check_twist(enum jp_status status, const struct jp_twist *twist)
 
 static void match(struct fuzz_input *input)
 {
-    const struct jp_plane_pose guess = draw_pose(input, 0.2f);
+    const struct jp_plane_pose guess = fuzz_pose(input, 0.2f);
     struct jp_match_result result;
 
     if (jp_scan_match(&matcher, &seen.scan, fuzz_bool(input) ? &guess : NULL, &result) == JP_OK) {
@@ -141,17 +124,17 @@ static void cycle(struct fuzz_input *input)
 {
     struct jp_twist twist;
 
-    seen.speed = (struct jp_plane_speed){draw_float(input, 1.0f), draw_float(input, 1.0f)};
+    seen.speed = (struct jp_plane_speed){fuzz_float(input, 1.0f), fuzz_float(input, 1.0f)};
     if (fuzz_bool(input)) {
-        seen.wheels.x += draw_float(input, 0.1f);
-        seen.wheels.y += draw_float(input, 0.1f);
-        seen.wheels.heading += draw_float(input, 0.1f);
+        seen.wheels.x += fuzz_float(input, 0.1f);
+        seen.wheels.y += fuzz_float(input, 0.1f);
+        seen.wheels.heading += fuzz_float(input, 0.1f);
         seen.laser = seen.wheels;
     }
     if (fuzz_below(input, 8) == 7U) {
-        seen.laser = draw_pose(input, 8.0f);
-        seen.sensor = draw_pose(input, 0.5f);
-        seen.deviation = draw_float(input, 1.0f);
+        seen.laser = fuzz_pose(input, 8.0f);
+        seen.sensor = fuzz_pose(input, 0.5f);
+        seen.deviation = fuzz_float(input, 1.0f);
     }
     seen.has_laser = fuzz_below(input, 8) != 7U;
     seen.is_lost = fuzz_below(input, 32) == 31U;
@@ -182,7 +165,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
             jp_patrol_pause(&patrol);
             break;
         case 2:
-            seen.wheels = draw_pose(&input, 8.0f);
+            seen.wheels = fuzz_pose(&input, 8.0f);
             (void)jp_patrol_set_pose(&patrol, &seen.wheels);
             break;
         case 3:

@@ -7,17 +7,12 @@
 #include <joulepath/segment.h>
 #include <joulepath/tables.h>
 
+#include "tests/fuzz/fuzz_config.h"
 #include "tests/fuzz/fuzz_input.h"
 
 static struct jp_energy_model model;
 static struct jp_horizon horizon;
 static struct jp_segment_limits limits;
-
-static bool accepted(enum jp_status status, const char *field)
-{
-    fuzz_require(status == JP_OK || (status == JP_ERR_CONFIG && field != NULL && field[0] != '\0'), "a nameless field");
-    return status == JP_OK;
-}
 
 static bool start(struct fuzz_input *input)
 {
@@ -29,9 +24,9 @@ static bool start(struct fuzz_input *input)
     FUZZ_CHANGE(input, model);
     FUZZ_CHANGE(input, horizon);
     FUZZ_CHANGE(input, limits);
-    return accepted(jp_energy_model_check(&model, &field), field) &&
-           accepted(jp_horizon_check(&horizon, &field), field) &&
-           accepted(jp_segment_limits_check(&limits, &model, &field), field);
+    return fuzz_accepted(jp_energy_model_check(&model, &field), field) &&
+           fuzz_accepted(jp_horizon_check(&horizon, &field), field) &&
+           fuzz_accepted(jp_segment_limits_check(&limits, &model, &field), field);
 }
 
 static struct jp_point draw_point(struct fuzz_input *input)

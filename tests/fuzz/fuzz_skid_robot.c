@@ -6,17 +6,13 @@
 #include <joulepath/skid_robot.h>
 #include <joulepath/tables.h>
 
+#include "tests/fuzz/fuzz_config.h"
 #include "tests/fuzz/fuzz_sensors.h"
 
 #define TICKS 1000U
 
 static struct jp_skid_robot robot;
 static struct jp_skid_robot_config config;
-
-static bool within(jp_q16 voltage, jp_q16 limit)
-{
-    return voltage <= limit && voltage >= -limit;
-}
 
 /** `moved`: the encoders did, since init. */
 static void check_tick(const struct jp_actuation *actuation, bool may_run, bool moved)
@@ -32,15 +28,15 @@ static void check_tick(const struct jp_actuation *actuation, bool may_run, bool 
                  "a robot that nobody enabled");
     fuzz_require(may_run || moved || (actuation->duty_left == 0 && actuation->duty_right == 0),
                  "duties of a robot at rest that nobody enabled");
-    fuzz_require(within(telemetry.voltages.left, config.monitor.voltage_max) &&
-                     within(telemetry.voltages.right, config.monitor.voltage_max),
+    fuzz_require(fuzz_within(telemetry.voltages.left, config.monitor.voltage_max) &&
+                     fuzz_within(telemetry.voltages.right, config.monitor.voltage_max),
                  "voltages beyond any supply");
     if (telemetry.state == JP_SKID_ROBOT_STANDING || telemetry.state == JP_SKID_ROBOT_DRIVING) {
         const struct jp_sensors *good = jp_skid_robot_good_frame(&robot);
 
         fuzz_require(good != NULL && good->bus_voltage > 0, "a supply that cannot be");
-        fuzz_require(within(telemetry.voltages.left, good->bus_voltage) &&
-                         within(telemetry.voltages.right, good->bus_voltage),
+        fuzz_require(fuzz_within(telemetry.voltages.left, good->bus_voltage) &&
+                         fuzz_within(telemetry.voltages.right, good->bus_voltage),
                      "voltages beyond the supply");
     }
     fuzz_require(telemetry.steering_ratio > 0, "a steering ratio out of range");
@@ -86,7 +82,7 @@ static bool start(struct fuzz_input *input, const struct jp_skid_snapshot *retai
     const char *field = NULL;
     const enum jp_status status = jp_skid_robot_init(&robot, &config, &field);
 
-    fuzz_require(status == JP_OK || (status == JP_ERR_CONFIG && field != NULL && field[0] != '\0'), "a nameless field");
+    (void)fuzz_accepted(status, field);
     if (status == JP_OK && retained != NULL) {
         struct jp_skid_snapshot changed = *retained;
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# No number of a core grew by over 5 % without an explanation (growth.py). Arguments: what size.py, stack.py and
-# cycles.py of tools/measure read, one list each; each of them is one test.
+# No number of a core grew by over 5 % without an explanation (growth.py), and the static bounds of the ticks hold
+# (instruction_bound.py). Arguments: what size.py, stack.py and cycles.py of tools/measure read, one list each, and the
+# folder for instruction_bound.py; each of them is one test.
 . "$(dirname "$0")/gate.sh"
 
 judge() {
@@ -15,4 +16,5 @@ for kind in size stack cycles; do
     shift
     check "growth/$kind" judge "$kind" "${inputs[@]}"
 done
+check growth/instruction_bounds "${PYTHON:-.venv/bin/python}" -m tools.measure.instruction_bound "$1"
 finish

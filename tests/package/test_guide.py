@@ -22,7 +22,7 @@ def text_of(*patterns):
 def test_files_it_names_exist():
     for name in named(r"`((?:tests|hal|sim|tools)/[\w./]+)`"):
         assert (ROOT / name).exists() or name.endswith("/mine.cfg"), name
-    for name in named(r"`((?:app|can|storage|skeleton|stm32f4)/[\w./]*|\w+\.[ch])`"):
+    for name in named(r"`((?:app|can|storage|skeleton|cortex_m|firmware|mps2|stm32f4)/[\w./]*|\w+\.[ch])`"):
         places = [ROOT / "hal" / name, ROOT / "hal" / "skeleton" / name]
         assert any(path.exists() for path in places), name
 

@@ -3,9 +3,11 @@ import os
 import re
 import shutil
 import subprocess
+import sys
+from pathlib import Path
 
 import pytest
-from conftest import CLEAN, PROGRAMS, ROOT, WARNINGS, cmake_project, command, configure, make
+from conftest import BUILT, CLEAN, PROGRAMS, ROOT, WARNINGS, cmake_project, command, configure, make
 
 FIND = "find_package(joulepath {} CONFIG REQUIRED)\n"
 FLOAT_LINK = (f"add_executable(user {PROGRAMS}/float_consumer.c)\n"
@@ -28,7 +30,7 @@ def pkg_config(installed, *arguments, package="joulepath"):
 
 def test_files_are_where_people_expect_them(installed):
     headers = [f"include/joulepath/{path.name}" for path in (ROOT / "include" / "joulepath").glob("*.h")]
-    assert files_of(installed) == sorted([
+    assert [name for name in files_of(installed) if not name.startswith(("lib/joulepath/", "bin/"))] == sorted([
         *headers, "lib/libjoulepath.a", "lib/libjoulepath_float.a", "lib/pkgconfig/joulepath.pc",
         "lib/pkgconfig/joulepath-float.pc", "lib/cmake/joulepath/joulepathConfig.cmake", "lib/cmake/joulepath/joulepathConfigVersion.cmake", "share/doc/joulepath/LICENSE"])
 
@@ -36,8 +38,19 @@ def test_files_are_where_people_expect_them(installed):
 def test_everybody_may_read_the_files(build, tmp_path):
     prefix = tmp_path / "usr"
     command("sh", "-c", 'umask 077; exec "$@"', "-", "make", "-C", ROOT, f"BUILD={build}", f"PREFIX={prefix}",
-            "install", env={**CLEAN, "JP_SETUP": "skip"})
-    assert {oct(path.stat().st_mode & 0o777) for path in prefix.rglob("*") if path.is_file()} == {"0o644"}
+            f"PROGRAMS={BUILT}", "install", env={**CLEAN, "JP_SETUP": "skip"})
+    for path in filter(Path.is_file, prefix.rglob("*")):
+        is_program = path.parent.name == "bin"
+        assert path.stat().st_mode & 0o777 == (0o755 if is_program else 0o644), path
+
+
+def test_the_command_joulepath_runs_programs_and_tools(installed, tmp_path):
+    door = installed / "bin/joulepath"
+    assert '"burger"' in command(door, "robot", "burger", "--json=-", cwd=tmp_path)
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    said = command(door, "gains", "courier24", "--tables", tmp_path, cwd=tmp_path, env={**CLEAN, "PATH": path})
+    assert "modulus margin" in said
+    assert (tmp_path / "robot_courier24.c").read_text() == (ROOT / "src/tables/robot_courier24.c").read_text()
 
 
 def test_a_program_uses_it_by_pkg_config(installed, version, tmp_path):
@@ -99,7 +112,7 @@ def test_the_cmake_package_may_be_moved_and_found_twice(installed, tmp_path):
 
 def test_destdir_stages_the_same_files_without_its_path(build, tmp_path):
     stage = tmp_path / "stage"
-    make(f"BUILD={build}", f"DESTDIR={stage}", "PREFIX=/opt/joulepath", "install")
+    make(f"BUILD={build}", f"DESTDIR={stage}", "PREFIX=/opt/joulepath", f"PROGRAMS={BUILT}", "install")
     assert [path.name for path in stage.iterdir()] == ["opt"]
     assert "prefix=/opt/joulepath\n" in (stage / "opt/joulepath/lib/pkgconfig/joulepath.pc").read_text("utf-8")
     for name, content in contents_of(stage).items():
@@ -108,15 +121,15 @@ def test_destdir_stages_the_same_files_without_its_path(build, tmp_path):
 
 
 def test_installing_again_changes_nothing(build, tmp_path):
-    make(f"BUILD={build}", f"PREFIX={tmp_path}", "install")
+    make(f"BUILD={build}", f"PREFIX={tmp_path}", f"PROGRAMS={BUILT}", "install")
     first = contents_of(tmp_path)
-    make(f"BUILD={build}", f"PREFIX={tmp_path}", "install")
+    make(f"BUILD={build}", f"PREFIX={tmp_path}", f"PROGRAMS={BUILT}", "install")
     assert contents_of(tmp_path) == first
 
 
 def test_uninstall_removes_all_of_it_and_nothing_else(build, tmp_path):
     foreign = tmp_path / "lib" / "pkgconfig" / "other.pc"
-    make(f"BUILD={build}", f"PREFIX={tmp_path}", "install")
+    make(f"BUILD={build}", f"PREFIX={tmp_path}", f"PROGRAMS={BUILT}", "install")
     foreign.write_text("Name: other\n", encoding="utf-8")
     make(f"BUILD={build}", f"PREFIX={tmp_path}", "uninstall")
     assert files_of(tmp_path) == ["lib/pkgconfig/other.pc"]
@@ -127,7 +140,7 @@ def test_uninstall_removes_all_of_it_and_nothing_else(build, tmp_path):
 @pytest.mark.parametrize("target", ["install", "uninstall"])
 @pytest.mark.parametrize("prefix", ["", "here/usr"])
 def test_a_prefix_must_be_absolute(build, target, prefix):
-    result = subprocess.run(["make", "-C", ROOT, f"BUILD={build}", f"PREFIX={prefix}", target], capture_output=True,
+    result = subprocess.run(["make", "-C", ROOT, f"BUILD={build}", f"PREFIX={prefix}", f"PROGRAMS={BUILT}", target], capture_output=True,
                             text=True, check=False, env={**CLEAN, "JP_SETUP": "skip"})
     assert result.returncode == 2
     assert f"PREFIX={prefix}: must be an absolute path" in result.stderr

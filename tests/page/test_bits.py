@@ -179,6 +179,8 @@ def test_a_plan_a_repair_and_a_drive_are_the_same_bit_by_bit(wasm, native, robot
     both(wasm, native, "planner_run", 8 * ticks)
     assert both(wasm, native, "planner_goal", 70, 40) == 0
     both(wasm, native, "planner_run", 400 * ticks)
+    searched = bytes(wasm.browser.ask(f"[...new Uint8Array(page.core.exports.memory.buffer, page.core.exports.planner_searched(), {WIDTH * HEIGHT})]"))
+    assert searched == ctypes.string_at(native.bytes_at("planner_searched"), WIDTH * HEIGHT) and {1, 2} <= set(searched)
     view = assert_same_bits(wasm, native, "planner")
     assert view["state"] == 7 and not view["is_touched"]  # arrived
     route = both(wasm, native, "planner_route")

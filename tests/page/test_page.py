@@ -155,6 +155,53 @@ def test_the_planner_finds_its_way_over_the_hills(planner):
     assert planner.ask("page.scene.route.length") > 20 and planner.ask("page.scene.improved.length") > 0
 
 
+def cells_searched(planner):
+    """How many wait at the frontier, and how many are expanded."""
+    return planner.ask("[1, 2].map((kind) => page.scene.searched.filter((found) => found === kind).length)")
+
+
+def shares_in_colour(planner):
+    """Of the cells at the frontier and of those expanded, how many have the colour of the legend: on others lie lines and
+    the robot."""
+    return planner.ask("""(() => { const { scene, plane } = page, ratio = devicePixelRatio;
+        const pixels = plane.getContext("2d").getImageData(0, 0, plane.width, plane.height).data;
+        const pixel = (i) => {
+            const x = scene.plane.x((i % scene.width + 0.35) * scene.cell), y = scene.plane.y((Math.floor(i / scene.width) + 0.65) * scene.cell);
+            const first = 4 * (Math.round(y * ratio) * plane.width + Math.round(x * ratio));
+            return [...pixels.slice(first, first + 3)]; };
+        return ["frontier", "expanded"].map((name, kind) => {
+            const colour = getComputedStyle(document.querySelector(`#legend .${name}`)).backgroundColor.match(/\\d+/g).map(Number);
+            const cells = [...scene.searched.keys()].filter((i) => scene.searched[i] === kind + 1);
+            return cells.filter((i) => pixel(i).every((part, at) => Math.abs(part - colour[at]) < 8)).length / cells.length; }); })()""")
+
+
+def test_the_search_is_seen_as_it_proceeds(planner):
+    planner.click("#reset")
+    planner.wait("page.scene.view.expansions > 200", 10)
+    planner.click("#pause")
+    frames(planner)
+    early = cells_searched(planner)
+    assert planner.ask("page.scene.isSearching") and min(early) > 20
+    assert min(shares_in_colour(planner)) > 0.5
+    planner.click("#pause")
+    planner.wait("!page.scene.isSearching", 30)
+    late = cells_searched(planner)
+    assert late[1] > 2 * early[1]
+    shown = dict(planner.ask("[...document.querySelectorAll('#search tbody tr')].map((row) => [...row.cells].map((cell) => cell.textContent))"))
+    assert int(shown["cells expanded"]) > early[1] and int(shown["states expanded"]) >= int(shown["cells expanded"])
+
+
+def test_the_search_is_slow_only_where_it_is_to_be_watched(planner):
+    took = []
+    for _ in range(2):
+        planner.click("#reset")
+        begin = planner.ask("performance.now()")
+        planner.wait("!page.scene.isSearching", 30)
+        took.append(planner.ask("performance.now()") - begin)
+        planner.click("#watch")
+    assert took[1] < took[0]
+
+
 def test_a_wall_across_its_way_is_driven_round(planner):
     planner.choose("#speed", "10")
     planner.wait("page.scene.view.state === 5", 10)

@@ -160,6 +160,26 @@ static void test_who_is_blocked_turns_round_after_a_while(void)
     TEST_ASSERT_TRUE(state.along < along);
 }
 
+/* A robot that stands shifts by less than a millimetre now and then: who pushes on is no less impatient. */
+static void test_who_is_blocked_but_for_instants_turns_round_too(void)
+{
+    const struct walker walker = {.to = {6, 0}, .radius = RADIUS, .speed = 1};
+    struct walker_state state;
+
+    walker_begin(&walker, &state);
+    walk_for(&walker, &state, 3);
+    for (int i = 0; i < (int)(WALKER_PATIENCE / TICK); i++) {
+        state = walker_blocked(&state, TICK);
+        state = i % 20 == 0 ? walker_next(&walker, &state, TICK) : state;
+        TEST_ASSERT_EQUAL_INT(1, state.direction);
+    }
+    state = walker_blocked(&state, TICK);
+    state = walker_blocked(&state, TICK);
+    TEST_ASSERT_EQUAL_INT(-1, state.direction);
+    walk_for(&walker, &state, 1);
+    TEST_ASSERT_TRUE(state.blocked == 0);
+}
+
 /* ---- Whose doing a touch is ---- */
 
 /* A robot at the origin at the time 0, which drives along x; somebody is at a place then, and walks straight on. Both

@@ -8,7 +8,7 @@ import libconf
 import numpy
 import pytest
 from conftest import BUILD, ROOT, SITE
-from joulepath import METHODS, SCENES, Error, Scenario, drive, patrol, robots
+from joulepath import METHODS, SCENES, Error, Scenario, door, drive, patrol, robots
 
 SCENARIO = ROOT / "sim/scenarios/gao2018_short.cfg"
 
@@ -107,16 +107,30 @@ def joulepath(*arguments, cwd):
 def test_the_command_runs_the_programs_anywhere(tmp_path):
     result = joulepath("robot", "burger", "--json", "-", cwd=tmp_path)
     assert result.returncode == 0 and json.loads(result.stdout)["name"] == "burger"
-    assert joulepath("--help", cwd=tmp_path).stdout.startswith("usage: joulepath PROGRAM")
+    assert joulepath("--help", cwd=tmp_path).stdout.startswith("usage: joulepath NAME")
 
 
-def test_the_command_has_every_program_but_the_gateway(tmp_path):
+def test_the_command_has_every_program_but_the_gateway():
     built = {path.name.removeprefix("jp-") for path in (BUILD / "bin").glob("jp-*")}
-    said = joulepath(cwd=tmp_path).stdout.split("programs: ")[1].strip().split(", ")
-    assert set(said) == built - {"lcm"}
-    assert robots()
+    assert set(door.programs()) == built - {"lcm"}
+    assert robots() and not set(door.programs()) & (set(door.TOOLS) | set(door.RECIPES))
 
 
-def test_a_program_that_is_not_there_is_refused(tmp_path):
+def test_the_command_has_every_tool(tmp_path):
+    """In one process: most of their time is for what they import."""
+    modules = [f"joulepath.tools.{module}" for module in door.TOOLS.values()]
+    subprocess.run([sys.executable, "-c", f"import importlib\nfor name in {modules}: assert importlib.import_module(name).main"],
+                   env={**os.environ, "PYTHONPATH": str(SITE)}, cwd=tmp_path, check=True, timeout=600)
+    assert joulepath("gains", "--help", cwd=tmp_path).stdout.startswith("usage:")
+
+
+def test_a_drive_and_its_report_in_one_command(tmp_path):
+    result = joulepath("sil", SCENARIO, "--alone", "--output", "out", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert (tmp_path / "out/report.html").exists() and (tmp_path / "out/summary.json").exists()
+    assert "--output DIR is needed" in joulepath("sil", SCENARIO, cwd=tmp_path).stderr
+
+
+def test_what_is_not_there_is_refused(tmp_path):
     result = joulepath("fly", cwd=tmp_path)
-    assert result.returncode == 2 and "fly: no such program" in result.stderr
+    assert result.returncode == 2 and "fly: no such program or tool" in result.stderr

@@ -16,6 +16,7 @@
 #define HOLD_TICKS ((unsigned)JP_SAMPLE_HOLD_MS * RATE / 1000U)
 
 static struct {
+    enum jp_status answer; /* of send() */
     struct jp_e2e_receiver receiver;
     struct jp_actuation actuation;
     unsigned commands;                   /* MotorCommands */
@@ -39,6 +40,9 @@ static uint8_t offer_counter;
 static inline enum jp_status send(void *context, const struct jp_can_frame *frame)
 {
     (void)context;
+    if (bus.answer != JP_OK) {
+        return bus.answer;
+    }
     TEST_ASSERT_EQUAL_UINT8(8, frame->length);
     if (frame->id == JP_CAN_MOTOR_COMMAND_FRAME_ID) {
         const enum jp_e2e_result result = jp_message_to_actuation(&bus.receiver, frame, &bus.actuation);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "hal/cortex_m/cortex_m.h"
 #include "hal/stm32f4/wait.h"
 
 volatile struct stm32_rcc RCC;
@@ -26,7 +27,7 @@ volatile struct stm32_can CAN1;
 volatile struct stm32_usart USART1;
 volatile struct stm32_exti EXTI;
 volatile struct stm32_iwdg IWDG;
-volatile struct stm32_nvic NVIC;
+volatile struct cortex_nvic NVIC;
 
 struct stm32_fake fake;
 

@@ -30,8 +30,12 @@ def largest_error(entries):
     return worst
 
 
+def table():
+    return [round(quantile(tail(k)) * 2**FRACTION_BITS) for k in range(OCTAVES * STEPS + 1)]
+
+
 def main():
-    entries = [round(quantile(tail(k)) * 2**FRACTION_BITS) for k in range(OCTAVES * STEPS + 1)]
+    entries = table()
     print(f"largest error {largest_error(entries):.6f}")
     for row in range(0, len(entries), COLUMNS):
         print("    " + ", ".join(str(entry) for entry in entries[row:row + COLUMNS]) + ",")

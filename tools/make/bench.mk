@@ -309,6 +309,12 @@ stack: ## worst-case stack of each entry point on five cores
 cycles: ## worst-case instructions on five cores
 	$(call measure,cycles,$(CYCLES))
 
+.PHONY: instruction-bounds
+instruction-bounds: ## static bounds of the ticks' instructions on a Cortex-M4, beside what was measured
+	@tools/setup.sh test
+	+@$(MAKE) -s $(PARALLEL) $(addprefix $(BUILD)/cortex-m4/,target_controller target_skid_robot target_four_wheel)
+	@$(PYTHON) -m tools.measure.instruction_bound $(BUILD)/cortex-m4
+
 size-diff: ## the same against the last commit's numbers; so stack-diff and cycles-diff
 	$(call measure,size,$(SIZE_IMAGES))
 

@@ -16,6 +16,7 @@ FUZZ_RUNS.planner           = 800
 FUZZ_RUNS.robot_file        = 1500
 FUZZ_RUNS.scenario          = 2500
 FUZZ_RUNS.skid_ecu          = 400
+FUZZ_RUNS.skid_parts        = 800
 FUZZ_SEED                  ?= 1
 FUZZ_LIMIT                 ?= 180
 

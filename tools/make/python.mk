@@ -3,7 +3,7 @@
 PYTHON_WHEEL   := $(BUILD)/python/wheel
 PYTHON_SITE    := $(BUILD)/python/site
 PYTHON_SOURCES := $(wildcard tools/python/* tools/python/joulepath/* tools/python/native/* sim/robots/*.cfg sim/scenarios/*.cfg) \
-                  $(CORE) $(FLOAT) $(CAN) $(filter-out sim/lcm/%,$(SIM)) $(wildcard include/joulepath/*.h src/*/*.h hal/*.h hal/*/*.h sim/*/*.h sim/programs/*.c)
+                  $(wildcard tools/*.py $(patsubst %,tools/%/*,design identify operate report)) $(CORE) $(FLOAT) $(CAN) $(filter-out sim/lcm/%,$(SIM)) $(wildcard include/joulepath/*.h src/*/*.h hal/*.h hal/*/*.h sim/*/*.h sim/programs/*.c)
 
 # Without what pip would look for beyond this machine.
 $(PYTHON_SITE)/joulepath/__init__.py: $(PYTHON_SOURCES) tools/make/robots.sh

@@ -9,10 +9,9 @@ CAN_FLOAT      := hal/app/ecu_patrol.c
 CAN            := $(filter-out $(CAN_FLOAT),$(wildcard hal/*.c hal/storage/*.c hal/can/*.c hal/app/*.c))
 STM32F4        := $(wildcard hal/stm32f4/*.c)
 MPS2           := $(wildcard hal/mps2/*.c)
-# Of the image of a robot.
-IMAGE          := $(addprefix hal/stm32f4/,main.c firmware_balancer.c firmware_skid.c)
+CORTEX_M       := $(wildcard hal/cortex_m/*.c)
 # What needs nothing of the core but registers, which a test can stand in for.
-DRIVERS        := $(filter-out $(addprefix hal/stm32f4/,startup.c cortex_m.c fault.c) $(IMAGE),$(STM32F4))
+DRIVERS        := $(filter-out $(addprefix hal/stm32f4/,vectors.c main.c),$(STM32F4))
 SIM            := $(filter-out sim/programs/% sim/page/%,$(wildcard sim/*/*.c)) $(wildcard hal/linux/*.c)
 SUPPORT        := $(filter-out %/stm32_fake.c,$(wildcard tests/support/*.c))
 PROGRAMS       := $(patsubst sim/programs/%.c,$(BUILD)/bin/%,$(wildcard sim/programs/jp-*.c))

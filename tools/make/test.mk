@@ -21,7 +21,7 @@ LOGS.python    := $(LOGS)/pytest/python.xml
 LOGS.page      := $(LOGS)/pytest/page.xml
 LOGS.tools     := $(LOGS)/pytest/tools.xml
 LOGS.package   := $(LOGS)/pytest/package.xml
-LOGS.firmware  := $(LOGS)/firmware/test_faults.log $(LOGS)/firmware/test_planning.log $(LOGS)/host-gcc/test_main.log $(LOGS)/cortex-m4/test_main.log $(LOGS)/pytest/firmware.xml
+LOGS.firmware  := $(LOGS)/firmware/test_faults.log $(LOGS)/firmware-m7/test_faults.log $(LOGS)/firmware/test_planning.log $(LOGS)/host-gcc/test_main.log $(LOGS)/cortex-m4/test_main.log $(LOGS)/pytest/firmware.xml
 LOGS.gates     := $(patsubst %,$(LOGS)/gates/%.log,symbols firmware growth compile includes private format cppcheck misra tidy coverage)
 LOGS.property  := $(call logs,host-gcc,$(PROPERTY_TESTS))
 LOGS.fault     := $(call logs,host-gcc,$(FAULT_TESTS))
@@ -93,7 +93,7 @@ $(LOGS)/$1/test_%.log: $(BUILD)/$1/test_%
 	$$(call SAY,RUN $$<)
 	$$Q$(RUN) $$@ $(UNIT_LIMIT) $(RUN.$1) $$< $$(CLOCK)
 endef
-$(foreach v,host-coverage $(HOST_TESTS) $(sort $(ALL_UNIT_CORES) $(SPEED_VARIANTS)),$(eval $(call unit_rules,$v)))
+$(foreach v,host-coverage host-mcdc $(HOST_TESTS) $(sort $(ALL_UNIT_CORES) $(SPEED_VARIANTS)),$(eval $(call unit_rules,$v)))
 
 # Equal bits on every core; with scenes, which are integers only.
 define bits_rules
@@ -102,7 +102,7 @@ $(BUILD)/$1/test_%_bits: $(BUILD)/$1/tests/bits/test_%_bits.o $(BUILD)/$1/tests/
                          $(if $(UNITY_SOURCE),$(BUILD)/$1/unity.o) $(BUILD)/$1/libjoulepath.a
 	$$(call $(if $(BOARD.$1),link_target,link_core),$1)
 endef
-$(foreach v,$(HOST_TESTS) $(SPEED_VARIANTS),$(eval $(call bits_rules,$v)))
+$(foreach v,host-coverage $(HOST_TESTS) $(SPEED_VARIANTS),$(eval $(call bits_rules,$v)))
 
 # What the targets' own support is made of.
 define support_test_rules
@@ -163,24 +163,40 @@ $(LOGS)/pytest/vcan_results.xml: $(LOGS)/pytest/vcan.xml
 	$Q$(RUN) $(@:.xml=.log) $(PYTEST_LIMIT) $(PYTHON) -m pytest -q -p no:cacheprovider --junitxml=$@ \
 	    tests/vcan/test_vcan_results.py
 
+# `make install` installs them.
+$(LOGS)/pytest/package.xml: $(PROGRAMS)
+
 # ---- Firmware --------------------------------------------------------------------------------------------------------
 
-$(LOGS)/pytest/firmware.xml: $(patsubst %,$(BUILD)/firmware/%/emulated.elf,$(ROBOTS) $(SKID_ROBOTS) $(PATROL_ROBOTS)) $(BUILD)/firmware/courier24/joulepath.elf
+# Of each kind one, and the one that is made to crash.
+MPS2_TESTED := courier24 burger gao2018
+
+$(LOGS)/pytest/firmware.xml: $(patsubst %,$(BUILD)/firmware/%/emulated.elf,$(ROBOTS) $(SKID_ROBOTS) $(PATROL_ROBOTS)) $(BUILD)/firmware/courier24/joulepath.elf \
+                               $(MPS2_TESTED:%=$(BUILD)/mps2/%/emulated.elf) $(BUILD)/mps2/courier24/joulepath.elf
 
 # The fault handler alone, whose crashes the image could not tell of.
 $(BUILD)/firmware/test_faults: $(addprefix $(BUILD)/firmware/,tests/firmware/test_faults.o tests/target/console.o \
-                               tests/target/arm/semihosting.o hal/stm32f4/startup.o hal/stm32f4/cortex_m.o hal/stm32f4/fault.o) \
-                               $(BUILD)/firmware/libcan.a $(wildcard hal/stm32f4/*.ld)
+                               tests/target/arm/semihosting.o hal/stm32f4/vectors.o $(CORTEX_M:.c=.o)) \
+                               $(BUILD)/firmware/libcan.a $(STM32F4_SCRIPTS)
 	$(call link_firmware,$(CCM))
 
 $(LOGS)/firmware/test_faults.log: $(BUILD)/firmware/test_faults
 	$(call SAY,RUN $<)
 	$Q$(RUN) $@ $(UNIT_LIMIT) qemu-system-arm -M netduinoplus2 $(SEMIHOSTING) $<
 
+# The same on the other board.
+$(BUILD)/firmware-m7/test_faults: $(addprefix $(BUILD)/firmware-m7/,tests/firmware/test_faults.o tests/target/console.o \
+                                  tests/target/arm/semihosting.o hal/mps2/vectors.o $(CORTEX_M:.c=.o) libcan.a) $(MPS2_SCRIPTS)
+	$(call link_mps2,0)
+
+$(LOGS)/firmware-m7/test_faults.log: $(BUILD)/firmware-m7/test_faults
+	$(call SAY,RUN $<)
+	$Q$(RUN) $@ $(UNIT_LIMIT) qemu-system-arm -M mps2-an500 $(SEMIHOSTING) $<
+
 # The application on the core while its tick comes by a timer, for so many ticks.
 PLANNING = $(addprefix $(BUILD)/firmware/,tests/firmware/test_planning.o tests/target/console.o tests/target/arm/semihosting.o \
-                                          hal/stm32f4/startup.o hal/stm32f4/cortex_m.o hal/stm32f4/fault.o hal/stm32f4/timer.o) \
-           $(BUILD)/firmware/libcan.a $(BUILD)/firmware/libjoulepath.a $(wildcard hal/stm32f4/*.ld)
+                                          hal/stm32f4/vectors.o $(CORTEX_M:.c=.o) hal/stm32f4/timer.o) \
+           $(BUILD)/firmware/libcan.a $(BUILD)/firmware/libjoulepath.a $(STM32F4_SCRIPTS)
 PLANNING_CLOCK = qemu-system-arm -M netduinoplus2 -icount shift=3 $(SEMIHOSTING)
 
 $(BUILD)/firmware/tests/firmware/test_planning.o: MODULE_FLAGS = -DTARGET_CORE='"STM32F405"'
@@ -221,7 +237,7 @@ GROWTH_CYCLES := $(filter $(BUILD)/bench/%-$(GROWTH_CORE).json,$(CYCLES))
 $(LOGS)/gates/growth.log: $(GROWTH_VARIANTS:%=$(BUILD)/%/whole) $(BUILD)/firmware/whole $(GROWTH_CYCLES)
 	$(call SAY,RUN gate growth)
 	$Q$(RUN) $@ $(GATE_LIMIT) tests/gates/growth.sh '$(BUILD)/$(GROWTH_CORE)-os/' \
-	    '$(GROWTH_VARIANTS:%=$(BUILD)/%/) $(BUILD)/firmware/' '$(GROWTH_CYCLES)'
+	    '$(GROWTH_VARIANTS:%=$(BUILD)/%/) $(BUILD)/firmware/' '$(GROWTH_CYCLES)' '$(BUILD)/$(GROWTH_CORE)/'
 
 $(LOGS)/gates/firmware.log: $(GATE_IMAGES)
 	$(call SAY,RUN gate firmware)

@@ -25,7 +25,7 @@ RV_VARIANTS    := rv32 rv32-os
 # Whose numbers `make test` watches.
 GROWTH_CORE     := cortex-m4
 GROWTH_VARIANTS := $(GROWTH_CORE) $(GROWTH_CORE)-os
-VARIANTS     := host host-coverage host-fuzz release firmware firmware-m7 $(HOST_TESTS) $(ARM_VARIANTS) $(RV_VARIANTS)
+VARIANTS     := host host-coverage host-fuzz host-mcdc host-mutants release firmware firmware-m7 $(HOST_TESTS) $(ARM_VARIANTS) $(RV_VARIANTS)
 
 # Each core's builds for speed and for size.
 CORES            := cortex-m0 cortex-m3 cortex-m4 cortex-m7 rv32
@@ -36,7 +36,7 @@ SIZE_VARIANTS    := $(foreach c,$(CORES),$(or $(SIZE_$c),$c-os))
 
 # Where the float library is: on the hosts and on the cores with an FPU.
 FPU_CORES        := cortex-m4 cortex-m7
-FLOAT_VARIANTS   := host host-coverage host-fuzz release firmware-m7 $(HOST_TESTS) $(FPU_CORES) $(FPU_CORES:%=%-os)
+FLOAT_VARIANTS   := host host-coverage host-fuzz host-mcdc host-mutants release firmware-m7 $(HOST_TESTS) $(FPU_CORES) $(FPU_CORES:%=%-os)
 
 COMPILER.host            = $(CC)
 COMPILER.release         = $(CC)
@@ -45,6 +45,9 @@ COMPILER.firmware-m7     = arm-none-eabi-gcc
 COMPILER.host-coverage   = gcc
 COMPILER.host-fuzz       = clang
 COMPILER.host-gcc        = gcc
+# The first that measures MC/DC.
+COMPILER.host-mcdc       = clang-19
+COMPILER.host-mutants    = gcc
 COMPILER.host-clang-m32  = clang -m32
 $(foreach v,$(ARM_VARIANTS),$(eval COMPILER.$v = arm-none-eabi-gcc))
 $(foreach v,$(RV_VARIANTS),$(eval COMPILER.$v = riscv64-unknown-elf-gcc))
@@ -59,6 +62,9 @@ FLAGS.firmware-m7     = -g -mthumb $(M7F) -O2 -ffunction-sections -fdata-section
 FLAGS.host-coverage   = $(HOST) -O0 --coverage -fprofile-update=atomic
 # Coverage guides the inputs.
 FLAGS.host-fuzz       = $(HOST) $(SANITIZE) -fsanitize=fuzzer-no-link -O1
+# What this compiler warns of besides is not its task here.
+FLAGS.host-mcdc       = $(HOST) -w -O0 -fprofile-instr-generate -fcoverage-mapping -fcoverage-mcdc
+FLAGS.host-mutants    = $(HOST) -O0 -fPIC
 FLAGS.host-gcc        = $(HOST) $(SANITIZE) -O1
 # Only short tests run there: clang takes longer to optimise what the sanitizers add than they to run without that.
 FLAGS.host-clang-m32  = $(HOST) $(SANITIZE) -O0 $(SSE)

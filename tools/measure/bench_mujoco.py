@@ -9,7 +9,6 @@ import json
 import math
 import os
 import random
-import re
 import statistics
 from concurrent.futures import ProcessPoolExecutor
 
@@ -277,8 +276,7 @@ def do(task):
 
 def our_push(name):
     """The largest that the robot takes in our world, N·s."""
-    told = robot_json.printed_by(robot_json.build_directory() / "bin/jp-balance", name)
-    return float(re.search(r"takes a push of\s+([0-9.]+) N", told)[1])
+    return json.loads(robot_json.printed_by(robot_json.build_directory() / "bin/jp-balance", name, "--json=-"))["push_n_s"]
 
 
 def tasks():

@@ -136,7 +136,7 @@ def read_image(path):
 def call_graphs(folder):
     """Those of the libraries and of the CAN application; of a board also its own."""
     places = ("src/*", "hal", "hal/storage", "hal/can", "hal/app",
-              *(("hal/stm32f4", ".") if folder.name == core_numbers.FIRMWARE else ()))
+              *(("hal/stm32f4", "hal/cortex_m", ".") if folder.name == core_numbers.FIRMWARE else ()))
     return sorted(path for place in places for path in folder.glob(f"{place}/*.ci"))
 
 

@@ -3,6 +3,13 @@
 
 const FREE = 0, WALL = 1, STEEP = 2;
 
+/* Of joulepath/navigator.h: it stands and looks for a way. Simulated s of a frame then, where it is to be watched: a slice or two. */
+const PLANNING = 1;
+const WATCHED_S = 0.004;
+
+/* Of a cell, in the search. */
+const OPEN = 1, EXPANDED = 2;
+
 /* Of the library (joulepath/planner.h), as people say it. */
 const ANSWERS = ["no route yet", "optimal: proved", "within a bound", "partial", "unreachable: proved", "stale"];
 
@@ -23,10 +30,12 @@ class PlannerScene {
     this.memory = 1024;
     this.seed = 1;
     this.tool = "wall";
+    this.isWatched = true;
     this.start = { x: 8, y: 8 };
     this.goal = { x: 70, y: 46 };
     this.cursor = { x: 40, y: 28 };
     this.walls = new Uint8Array(this.width * this.height);
+    this.searched = new Uint8Array(this.width * this.height);
     this.bumps = new Map(); // "x,y" → strokes
     this.drawExample();
   }
@@ -118,11 +127,20 @@ class PlannerScene {
       section("Robot and memory",
         choice("Robot", "robot", this.robots.map((name, i) => [i, name]), this.robot, (value) => { this.robot = Number(value); this.reset(); }),
         choice("Planner's block", "memory", [4, 8, 16, 64, 256, 1024, 4096].map((kib) => [kib, `${kib} KiB`]), this.memory, (value) => { this.memory = Number(value); this.reset(); })),
-      section("Search", this.table, make("p", { className: "hint" }, "Blue: the planner's route. Green: the course that the robot makes of it. Orange: where it was. Grey: the route before the last change.")));
+      section("Search", this.legend(), this.table, make("p", { className: "hint" }, "Blue: the planner's route. Green: the course that the robot makes of it. Orange: where it was. Grey: the route before the last change.")));
     below.replaceChildren(
       section("Joules of the best route against the search", this.chart.canvas),
       section("The same on the command line", make("pre", { id: "command" }), make("p", { className: "hint" }, "With the map that Save the map gives you, before anything is changed on the way.")));
     this.choose(this.tool);
+  }
+
+  /** What the shades of the search mean, and whether it is slowed down to be watched. */
+  legend() {
+    const swatch = (name, text) => make("li", {}, make("span", { className: `swatch ${name}` }), text);
+    const watch = make("input", { type: "checkbox", id: "watch", checked: this.isWatched, onchange: () => { this.isWatched = watch.checked; } });
+    return make("div", {},
+      make("ul", { className: "legend", id: "legend" }, swatch("frontier", "at the frontier: waits to be expanded"), swatch("expanded", "expanded: its cost to the goal is known")),
+      make("label", { className: "row" }, watch, "Slow while it searches"));
   }
 
   choose(tool) {
@@ -213,10 +231,15 @@ class PlannerScene {
 
   look() {
     this.view = this.core.view("planner");
-    this.walls.set(new Uint8Array(this.core.exports.memory.buffer, this.core.exports.planner_marks(), this.walls.length));
+    this.walls.set(this.cells(this.core.exports.planner_marks()));
+    this.searched.set(this.cells(this.core.exports.planner_searched()));
     this.route = this.points(this.core.exports.planner_route());
     this.course = this.points(this.core.exports.planner_course());
     this.isStale = this.route.some(({ x, y }) => this.walls[Math.floor(y / this.cell) * this.width + Math.floor(x / this.cell)] !== FREE);
+  }
+
+  cells(pointer) {
+    return new Uint8Array(this.core.exports.memory.buffer, pointer, this.walls.length);
   }
 
   points(count) {
@@ -224,12 +247,16 @@ class PlannerScene {
     return Array.from({ length: count }, (_, i) => ({ x: numbers[2 * i], y: numbers[2 * i + 1] }));
   }
 
+  get isSearching() {
+    return this.view.state === PLANNING;
+  }
+
   run(seconds) {
     if (this.status !== 0) {
       return;
     }
     const rate = this.core.exports.planner_ticks_a_second();
-    this.due += seconds * rate;
+    this.due += (this.isWatched && this.isSearching ? Math.min(seconds, WATCHED_S) : seconds) * rate;
     const before = this.view.state;
     while (this.due >= 1) {
       const ticks = Math.min(Math.max(1, Math.floor(rate / 50)), Math.floor(this.due));
@@ -387,6 +414,7 @@ class PlannerScene {
     this.plane.fit(0, 0, this.width * this.cell, this.height * this.cell);
     const context = this.plane.begin();
     this.drawGround(context);
+    this.drawSearched(context);
     this.plane.grid();
     this.plane.line(this.old, css("faint"), 2, [2, 4]);
     this.plane.line(this.route, css(this.isStale ? "faint" : "plan"), 2, this.isStale ? [2, 4] : []);
@@ -422,11 +450,32 @@ class PlannerScene {
         image.data.set(colour, at);
       }
     }
+    context.fillStyle = css("panel");
+    context.fillRect(...this.window());
     brush.putImageData(image, 0, 0);
     context.imageSmoothingEnabled = false;
-    context.fillStyle = css("panel");
-    context.fillRect(this.plane.x(0), this.plane.y(this.height * this.cell), this.width * this.cell * this.plane.scale, this.height * this.cell * this.plane.scale);
-    context.drawImage(picture, this.plane.x(0), this.plane.y(this.height * this.cell), this.width * this.cell * this.plane.scale, this.height * this.cell * this.plane.scale);
+    context.drawImage(picture, ...this.window());
+  }
+
+  /** The map on the canvas: left, top, width, height. */
+  window() {
+    const { plane } = this;
+    return [plane.x(0), plane.y(this.height * this.cell), this.width * this.cell * plane.scale, this.height * this.cell * plane.scale];
+  }
+
+  /** A square in the middle of each cell that the search has met. */
+  drawSearched(context) {
+    const size = this.cell * this.plane.scale;
+    for (const [kind, name] of [[EXPANDED, "expanded"], [OPEN, "frontier"]]) {
+      context.fillStyle = css(name);
+      this.searched.forEach((found, i) => {
+        if (found === kind) {
+          const x = this.plane.x((i % this.width) * this.cell);
+          const y = this.plane.y((Math.floor(i / this.width) + 1) * this.cell);
+          context.fillRect(x + size / 5, y + size / 5, 0.6 * size, 0.6 * size);
+        }
+      });
+    }
   }
 
   drawCursor(context) {
@@ -462,6 +511,8 @@ class PlannerScene {
       ["states expanded", shown(view.expansions, 0)],
       ["– by the first search", shown(view.first_expansions, 0)],
       ["– since the last change", shown(view.repair_expansions, 0)],
+      ["cells expanded", shown(this.searched.filter((found) => found === EXPANDED).length, 0)],
+      ["cells at the frontier", shown(this.searched.filter((found) => found === OPEN).length, 0)],
       ["states kept", `${shown(view.states, 0)} of ${shown(view.states_max, 0)}`],
       ["block: guide", kib(view.guide_bytes)],
       ["block: energy field", view.field_bytes === 0 ? "does not fit" : kib(view.field_bytes)],

@@ -354,3 +354,30 @@ static void test_resuming_keeps_pitch_and_the_gyros_bias(void)
     TEST_ASSERT_INT32_WITHIN(1, JP_Q24_ONE / 40, state.pitch);
     TEST_ASSERT_EQUAL_INT32(0, state.pitch_rate);
 }
+
+/* Nothing is learned from a level robot: only the limit acts. */
+static void expect_limited(int64_t expected, int64_t bias)
+{
+    start();
+    estimator.gyro_bias = bias;
+    estimator.pitch = 0;
+    config.bias_gain = 0;
+    update();
+    TEST_ASSERT_EQUAL_INT64(expected, estimator.gyro_bias);
+}
+
+static void test_the_bias_is_limited_to_the_bit(void)
+{
+    const int64_t most = (int64_t)GYRO_BIAS_MAX << 32;
+
+    expect_limited(0, 0);
+    expect_limited(most - 1, most - 1);
+    expect_limited(most, most);
+    expect_limited(most, most + 5);
+    expect_limited(most, INT64_MAX);
+    expect_limited(-most, -most);
+    expect_limited(1 - most, 1 - most);
+    expect_limited(5 - most, 5 - most);
+    expect_limited(-most, -most - 1);
+    expect_limited(-most, INT64_MIN);
+}

@@ -105,3 +105,28 @@ static void test_a_segment_is_next_until_it_begins(void)
     tick();
     TEST_ASSERT_FALSE(jp_robot_has_next(&robot));
 }
+
+static void test_motors_have_samples_while_they_run(void)
+{
+    struct jp_motor_sample sample;
+
+    tick();
+    TEST_ASSERT_FALSE(jp_robot_motors(&robot, &sample));
+    enable();
+    TEST_ASSERT_TRUE(jp_robot_motors(&robot, &sample));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_drive(&robot, &one_second));
+    for (int i = 0; i < 50; i++) {
+        sensors.encoder_left += 3;
+        sensors.encoder_right += 5;
+        tick();
+        TEST_ASSERT_TRUE(jp_robot_motors(&robot, &sample));
+    }
+    TEST_ASSERT_EQUAL_INT(JP_ROBOT_DRIVING, jp_robot_state_now(&robot));
+    TEST_ASSERT_EQUAL_INT32(sensors.current_left, sample.current_left);
+    TEST_ASSERT_EQUAL_INT32(sensors.current_right, sample.current_right);
+    TEST_ASSERT_EQUAL_INT32(robot.internal.estimator.wheel.rate, sample.wheel_rate);
+    TEST_ASSERT_EQUAL_INT32(robot.internal.estimator.yaw.rate, sample.yaw_rate);
+    sensors.bus_voltage = INT32_MAX;
+    tick();
+    TEST_ASSERT_FALSE(jp_robot_motors(&robot, &sample));
+}

@@ -199,6 +199,34 @@ static void test_an_impact_explains_forces_out_of_range_for_a_while(void)
     }
 }
 
+static void test_a_force_that_leaves_its_range_is_an_impact_however_little_it_changed(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        jp_monitor_start(&monitor, &config);
+        good.accel_x = sign * (config.accel_limit - 10);
+        see_good();
+        feel_impact(sign * (config.accel_limit + 10));
+        sensors.accel_x = sign * (config.accel_limit + 20);
+        jump_to_and_fro(2);
+        TEST_ASSERT_EQUAL_HEX16(0, check(JP_OK));
+        TEST_ASSERT_EQUAL_HEX16(0, monitor.suspected);
+        TEST_ASSERT_EQUAL_INT32(sign * config.accel_limit, monitor.good.accel_x);
+    }
+}
+
+static void test_a_rate_that_leaves_its_range_is_no_impact(void)
+{
+    config.gyro_jump = 1000;
+    good.pitch_rate = config.gyro_limit - 10;
+    see_good();
+    sensors.pitch_rate = config.gyro_limit + 1;
+    for (int tick = 1; tick <= config.confirm_ticks; tick++) {
+        TEST_ASSERT_EQUAL_HEX16(tick < config.confirm_ticks ? 0 : JP_FAULT_IMU_RANGE, check(JP_OK));
+    }
+    sensors.pitch_rate = config.gyro_limit - 1100;
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_IMU_JUMP, check(JP_OK));
+}
+
 static void test_an_impact_explains_no_rate_out_of_range(void)
 {
     config.gyro_jump = INT32_MAX;
@@ -357,6 +385,10 @@ static void test_a_current_must_not_exceed_the_arithmetic(void)
     FIELD(current_limit, JP_Q16(511), NULL);
     config.motor_resistance = JP_Q16(64);
     FIELD(current_limit, JP_Q16(512), "monitor.current_limit");
+    config.motor_resistance = JP_Q16(1);
+    FIELD(current_limit, JP_Q16(32767), NULL);
+    config.motor_resistance = JP_Q16(1);
+    FIELD(current_limit, JP_Q16(32767) + 1, "monitor.current_limit");
 }
 
 static void test_each_channel_of_the_imu_can_freeze(void)
@@ -426,6 +458,25 @@ static void test_residual_at_its_limit(void)
     sensors.current_left--;
     sensors.current_right--;
     TEST_ASSERT_EQUAL_HEX16(JP_FAULT_ENCODER_RIGHT, motors(0, 0, 0, 0));
+}
+
+/* Six tenths of the last place are rounded up: together with a voltage at the limit they are beyond it. */
+static void test_voltages_are_rounded_to_the_nearest(void)
+{
+    config.residual_ticks = 1;
+    config.motor_resistance = JP_Q16(0.6);
+    config.back_emf = JP_Q16(1);
+    config.current_residual = JP_Q16(100);
+    jp_monitor_start(&monitor, &config);
+    const jp_q16 limit = monitor.residual_limit;
+
+    sensors.current_left = 1;
+    sensors.current_right = 0;
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_ENCODER_LEFT, motors(-limit, -limit, 0, 0));
+    sensors.current_left = 0;
+    TEST_ASSERT_EQUAL_HEX16(0, motors(-limit, -limit, JP_Q24(0.4 / 65536), 0));
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_ENCODER_LEFT | JP_FAULT_ENCODER_RIGHT,
+                            motors(-limit, -limit, JP_Q24(0.6 / 65536), 0));
 }
 
 static void test_runaway_on_both_sides_of_its_limit(void)

@@ -453,3 +453,29 @@ static void test_commands_from_before_a_silence_do_not_count(void)
     command(JP_MODE_OFF, 0);
     expect(JP_OPERATOR_ALIVE, JP_MODE_OFF);
 }
+
+static void test_confirmations_are_counted_no_further_than_needed(void)
+{
+    make_standing();
+    for (int i = 0; i < 600; i++) {
+        command(JP_MODE_DRIVE, 4);
+        TEST_ASSERT_EQUAL_UINT8(i < 2 ? i + 1 : 3, link.confirmations);
+    }
+    expect(JP_OPERATOR_ALIVE, JP_MODE_DRIVE);
+}
+
+/* What was confirmed before the silence does not count. */
+static void test_off_after_silence_needs_three_again(void)
+{
+    make_standing();
+    for (int i = 0; i < 3; i++) {
+        command(JP_MODE_OFF, 0);
+    }
+    expect(JP_OPERATOR_ALIVE, JP_MODE_OFF);
+    TEST_ASSERT_TRUE(jp_operator_link_pass(&link, JP_OPERATOR_TIMEOUT_MS));
+    command(JP_MODE_OFF, 0);
+    command(JP_MODE_OFF, 0);
+    expect(JP_OPERATOR_LOST, JP_MODE_OFF);
+    command(JP_MODE_OFF, 0);
+    expect(JP_OPERATOR_ALIVE, JP_MODE_OFF);
+}

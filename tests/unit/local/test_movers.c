@@ -180,6 +180,14 @@ static unsigned marked(void)
     return count;
 }
 
+/* A beam a degree, as the patrol robot's laser has. */
+static void see_coarsely(void)
+{
+    config.extent = 2.0f;
+    scan.count = BEAMS / 2;
+    scan.angle_step = 4.0f * JP_PLANE_PI / BEAMS;
+}
+
 /* ---- What is a thing ---- */
 
 static void test_nothing_is_seen_on_an_empty_plane(void)
@@ -248,6 +256,13 @@ static void test_dropouts_beside_a_thing_are_skipped(void)
     update();
     TEST_ASSERT_EQUAL_UINT(1, movers.count);
 
+    /* Within it, beside its end. */
+    jp_movers_clear(&movers);
+    ranges[first + 1U] = -1.0f;
+    ranges[first + 2U] = -1.0f;
+    update();
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+
     /* Dropouts to the end of the scan: on that side it may be hidden. */
     jp_movers_clear(&movers);
     for (unsigned i = 0; i < first; i++) {
@@ -311,6 +326,19 @@ static void test_few_points_are_noise(void)
     scan_config.beams_min = 2;
     look();
     TEST_ASSERT_EQUAL_UINT(1, movers.count);
+}
+
+/* It does not tell how its surface goes on. */
+static void test_a_single_point_is_no_thing(void)
+{
+    (void)put_disc(4.0f, 0.0f, 0.05f);
+    scan_config.beams_min = 1;
+    take_scan();
+    for (unsigned i = 0; i < BEAMS; i++) {
+        ranges[i] = i == BEAMS / 2 ? 4.0f : 0.0f;
+    }
+    update();
+    TEST_ASSERT_EQUAL_UINT(0, movers.count);
 }
 
 /* ---- Tracks ---- */
@@ -380,6 +408,88 @@ static void test_two_that_meet_keep_their_velocities(void)
 
         TEST_ASSERT_NEAR(2.0f * SPEED_ERROR, sign, movers.movers[i].velocity.y);
         TEST_ASSERT_NEAR(0.1f, 0.9f * sign, movers.movers[i].centre.y);
+    }
+}
+
+/* The track whose velocity is nearest to one, of those near a place; null: there is none. */
+static const struct jp_mover *track_of(const struct disc *disc, struct jp_plane_point velocity)
+{
+    const struct jp_mover *nearest = NULL;
+
+    for (unsigned i = 0; i < movers.count; i++) {
+        const struct jp_mover *const mover = &movers.movers[i];
+
+        if (jp_plane_square_between(mover->centre, disc->centre) < 0.4f * 0.4f &&
+            (nearest == NULL || jp_plane_square_between(mover->velocity, velocity) <
+                                    jp_plane_square_between(nearest->velocity, velocity))) {
+            nearest = mover;
+        }
+    }
+    return nearest;
+}
+
+/* One overtakes another behind them: for the scanner they are one for a while, one is hidden, and they part. Each keeps
+ * its velocity all the time. */
+static void test_two_who_cross_aslant_keep_their_velocities(void)
+{
+    const struct jp_plane_point velocities[] = {{-0.6f, -0.95f}, {-1.35f, -0.6f}};
+
+    see_coarsely();
+    (void)put_disc(2.2f, 3.19f, RADIUS);
+    (void)put_disc(3.75f, 2.5f, RADIUS);
+    for (unsigned i = 0; i < 25U; i++) {
+        look();
+        for (unsigned k = 0; k < 2U && i >= 10U; k++) {
+            const struct jp_mover *const track = track_of(&discs[k], velocities[k]);
+
+            TEST_ASSERT_NOT_NULL(track);
+            TEST_ASSERT_TRUE(jp_plane_square_between(track->velocity, velocities[k]) < 0.65f * 0.65f);
+        }
+        for (unsigned k = 0; k < 2U; k++) {
+            discs[k].centre.x += PERIOD * velocities[k].x;
+            discs[k].centre.y += PERIOD * velocities[k].y;
+        }
+        sensor.x -= 0.5f * PERIOD;
+    }
+}
+
+/* Out from behind a wall, to either side: by the rim that is seen, long before all of somebody is. */
+static void test_who_comes_out_is_known_by_the_free_rim(void)
+{
+    const float sides[] = {-1.0f, 1.0f};
+
+    for (unsigned i = 0; i < 2U; i++) {
+        const struct jp_plane_point velocity = {0.0f, sides[i]};
+
+        setUp();
+        put_wall(1.9f, -sides[i] * 3.0f, 1.9f, 0.0f);
+
+        struct disc *const disc = put_disc(3.0f, 0.0f, RADIUS);
+
+        disc->centre.y = -0.2f * sides[i];
+        walk(disc, velocity, 6);
+        TEST_ASSERT_NOT_NULL(track_of(disc, velocity));
+        TEST_ASSERT_NEAR(0.35f, velocity.y, track_of(disc, velocity)->velocity.y);
+    }
+}
+
+/* A post that a wall hides to the half, and that the sensor passes: it stands, as its free rim does. */
+static void test_what_is_half_hidden_stands_by_its_free_rim(void)
+{
+    const float sides[] = {-1.0f, 1.0f};
+
+    for (unsigned i = 0; i < 2U; i++) {
+        setUp();
+        put_wall(1.5f, -sides[i] * 3.0f, 1.5f, 0.0f);
+        (void)put_disc(3.0f, 0.0f, RADIUS);
+        sensor.y = sides[i];
+        for (unsigned k = 0; k < 20U; k++) {
+            look();
+            sensor.y -= sides[i] * 0.8f * PERIOD;
+            for (unsigned m = 0; m < movers.count; m++) {
+                TEST_ASSERT_FALSE(jp_mover_is_walking(&movers.movers[m], &config));
+            }
+        }
     }
 }
 
@@ -609,14 +719,6 @@ static void test_walk_in_any_direction_is_noticed(void)
     }
 }
 
-/* A beam a degree, as the patrol robot's laser has. */
-static void see_coarsely(void)
-{
-    config.extent = 2.0f;
-    scan.count = BEAMS / 2;
-    scan.angle_step = 4.0f * JP_PLANE_PI / BEAMS;
-}
-
 /* Past what stands: nobody has walked. */
 static void drive_past(float speed, float turn_rate, unsigned scans)
 {
@@ -630,6 +732,45 @@ static void drive_past(float speed, float turn_rate, unsigned scans)
     }
 }
 
+/* Something wide goes past; or one of its sides goes out of sight while less of another one comes. */
+static bool walks_between(float right, float left)
+{
+    setUp();
+    see_coarsely();
+    put_wall(2.0f, -1.2f, 2.0f, 0.2f);
+    for (unsigned i = 0; i < 11U; i++) {
+        look();
+        walls[0].from.y += right;
+        walls[0].to.y += left;
+    }
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+    return has_walked(0);
+}
+
+static void test_who_is_wide_is_seen_to_walk_by_both_rims(void)
+{
+    TEST_ASSERT_TRUE(walks_between(0.09f, 0.09f));
+    TEST_ASSERT_FALSE(walks_between(0.14f, 0.04f));
+}
+
+/* Half hidden, something wide may turn another side to the scanner. */
+static void test_who_is_wide_and_half_hidden_has_not_walked(void)
+{
+    see_coarsely();
+    put_wall(2.0f, -0.8f, 2.0f, 0.4f);
+    put_wall(1.2f, -0.6f, 1.2f, -0.3f);
+    for (unsigned n = 0; n < 14U; n++) {
+        look();
+        for (unsigned k = 0; k < 2U; k++) {
+            walls[k].from.y += k == 0U ? 0.08f : 0.048f;
+            walls[k].to.y += k == 0U ? 0.08f : 0.048f;
+        }
+    }
+    for (unsigned k = 0; k < movers.count; k++) {
+        TEST_ASSERT_FALSE(has_walked(k) && movers.movers[k].centre.x > 1.6f);
+    }
+}
+
 /* Between the end of the scan and where its points lie too far apart, what is seen of a wall goes with the robot. */
 static void test_wall_that_is_seen_in_part_stands(void)
 {
@@ -639,6 +780,27 @@ static void test_wall_that_is_seen_in_part_stands(void)
         put_wall(-10.0f, 0.6f, 10.0f, 0.6f);
         sensor.heading = -0.1f;
         drive_past(0.1f * (float)i, -0.2f, 30);
+    }
+}
+
+/* Round a corner into a corridor: more and more comes into sight of a wall along which the scanner looks, and its
+ * points lie far apart. */
+static void test_wall_along_which_the_scanner_looks_stands(void)
+{
+    for (unsigned turn = 0; turn < 5U; turn++) {
+        setUp();
+        see_coarsely();
+        scan_config.gap = 0.35f;
+        put_wall(-6.0f, 0.0f, 0.0f, 0.0f);
+        put_wall(0.0f, 0.0f, 0.0f, -6.0f);
+        put_wall(-6.0f, 1.4f, 6.0f, 1.4f);
+        sensor = (struct jp_plane_pose){0.55f, -0.6f, 1.6f};
+        for (unsigned i = 0; i < 30U; i++) {
+            drive_past(0.0f, 0.0f, 1);
+            sensor.heading = jp_plane_smaller(sensor.heading + 0.07f + 0.02f * (float)turn, JP_PLANE_PI);
+            sensor.x += 0.08f * jp_plane_cosine(sensor.heading);
+            sensor.y += 0.08f * jp_plane_sine(sensor.heading);
+        }
     }
 }
 
@@ -745,6 +907,38 @@ static void test_those_who_part_have_walked_both(void)
     TEST_ASSERT_TRUE(movers.movers[0].velocity.y > 0.5f * before);
     TEST_ASSERT_TRUE(movers.movers[1].velocity.y > 0.5f * before);
     TEST_ASSERT_TRUE(movers.movers[1].standing == 0.0f);
+
+    /* The companion is seen to walk. */
+    for (unsigned i = 0; i < 12U; i++) {
+        discs[0].centre.y += PERIOD * velocity.y;
+        discs[1].centre.y += PERIOD * velocity.y;
+        look();
+    }
+    TEST_ASSERT_TRUE(has_walked(0));
+    TEST_ASSERT_TRUE(has_walked(1));
+}
+
+/* Somebody has passed a post that comes into sight beside them: for a while it may be somebody who goes along. */
+static void test_what_stands_beside_a_walker_is_no_companion(void)
+{
+    struct disc *const walker = put_disc(3.0f, -2.0f, RADIUS);
+    unsigned taken = 0;
+
+    walk(walker, (struct jp_plane_point){0.0f, 1.0f}, 18);
+
+    const struct disc *const post = put_disc(3.0f, walker->centre.y - 0.75f, 0.2f);
+
+    for (unsigned i = 0; i < 14U; i++) {
+        walk(walker, (struct jp_plane_point){0.0f, 1.0f}, 1);
+        for (unsigned k = 0; k < movers.count; k++) {
+            const bool is_post = jp_plane_square_between(movers.movers[k].centre, post->centre) < 0.3f * 0.3f;
+
+            taken += is_post && has_walked(k) ? 1U : 0U;
+            TEST_ASSERT_FALSE(is_post && has_walked(k) && i >= 12U);
+            TEST_ASSERT_FALSE(!is_post && movers.movers[k].misses == 0U && !has_walked(k));
+        }
+    }
+    TEST_ASSERT_TRUE(taken >= 5U);
 }
 
 /* ---- More things than tracks ---- */

@@ -91,6 +91,20 @@ static void test_a_band_that_stands_for_who_walks_has_not_stalled(void)
     TEST_ASSERT_EQUAL_INT(JP_PATROL_DRIVING, state_beside(-0.5f));
 }
 
+/* They may have passed, which a band that stands does not tell. */
+static void test_a_band_that_stands_for_who_walks_is_laid_anew(void)
+{
+    const struct jp_plane_speed still = {0.0f, 0.0f};
+    unsigned cleared = 0;
+
+    (void)state_beside(-0.5f);
+    for (unsigned i = 0; i < 20U; i++) {
+        jp_patrol_drive(&patrol, &still);
+        cleared += patrol.teb.count == 0U ? 1U : 0U;
+    }
+    TEST_ASSERT_TRUE(cleared >= 2U && cleared <= 4U);
+}
+
 static void test_a_band_that_stands_for_people_is_waited_for(void)
 {
     config.turns_in_place = false;

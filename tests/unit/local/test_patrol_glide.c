@@ -56,6 +56,46 @@ static void test_to_the_right_as_to_the_left(void)
     TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.turns);
 }
 
+/* Its path leads off more to the side than it can be led: a wheel that points backwards after a turn in place would
+ * stay so, and have to be steered round under way. */
+static void test_no_wheel_sets_off_backwards(void)
+{
+    const float sides[] = {-1.0f, 1.0f};
+
+    for (unsigned i = 0; i < 2U; i++) {
+        rig_reset();
+        rig_go(0.1f, 2.5f * sides[i]);
+        patrol.state = JP_PATROL_GLIDING;
+        patrol.internal.is_setting_off = true;
+        jp_patrol_glide(&patrol);
+
+        const float askew = jp_plane_bearing(patrol.internal.command.forward, patrol.internal.sideways);
+
+        expect_within(1.0e-4f, sides[i] * jp_patrol_askew_max(&config), askew);
+        TEST_ASSERT_TRUE(patrol.internal.command.turn_rate == 0.0f);
+    }
+}
+
+/* As many poses as there is room for, or up to the goal. */
+static void test_a_glide_is_foreseen_as_far_as_it_is_asked_for(void)
+{
+    struct jp_plane_pose poses[40];
+
+    rig_go(1.0f, 2.5f);
+    rig_cycle();
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    TEST_ASSERT_EQUAL_UINT(5, jp_patrol_foresee_glide(&patrol, poses, 5));
+    expect_within(0.05f, 0.5f, jp_plane_length(poses[4].x, poses[4].y));
+    expect_within(0.05f, 0.19f, poses[4].x);
+
+    const unsigned count = jp_patrol_foresee_glide(&patrol, poses, 40);
+
+    TEST_ASSERT_TRUE(count >= 26U && count <= 28U);
+    expect_within(0.05f, 1.0f, poses[count - 1U].x);
+    expect_within(0.05f, 2.5f, poses[count - 1U].y);
+    expect_within(0.05f, jp_plane_bearing(1.0f, 2.5f), poses[count - 1U].heading);
+}
+
 /* As far as a glide can take over. */
 static void test_robot_turns_part_of_a_great_angle(void)
 {

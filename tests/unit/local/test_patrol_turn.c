@@ -55,6 +55,28 @@ static void test_step_stops_for_what_comes_into_it(void)
     (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
 }
 
+/* What it steps for may have been them; a step at the goal is for the goal. */
+static void test_a_step_that_stands_for_people_is_thought_over(void)
+{
+    for (unsigned i = 0; i < 3U; i++) {
+        rig_reset();
+        leave_the_bay();
+        rig_sense();
+        patrol.internal.is_yielding = i != 0U;
+        patrol.internal.is_arriving = i == 1U;
+        input.speed = (struct jp_plane_speed){0.0f, 0.0f};
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+        TEST_ASSERT_EQUAL_INT(i == 2U ? JP_PATROL_DRIVING : JP_PATROL_STEPPING, patrol.state);
+    }
+    rig_reset();
+    leave_the_bay();
+    rig_sense();
+    patrol.internal.is_yielding = true;
+    input.speed = (struct jp_plane_speed){0.2f, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+}
+
 static void test_step_ends_when_the_robot_stands(void)
 {
     leave_the_bay();

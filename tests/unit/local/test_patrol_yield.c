@@ -14,11 +14,12 @@
 
 static struct jp_plane_speed measured;
 
-/* On an empty plane, at the origin, facing east; it is told to go straight on, and stands. */
+/* On an empty plane, at the origin, facing east; it is told to go straight on, to far away, and stands. */
 void setUp(void)
 {
     rig_reset();
-    patrol.state = JP_PATROL_GLIDING;
+    patrol.state = JP_PATROL_STEPPING;
+    patrol.internal.step_target = (struct jp_plane_point){30.0f, 0.0f};
     patrol.internal.command = (struct jp_plane_speed){FAST, 0.0f};
     measured = (struct jp_plane_speed){0.0f, 0.0f};
 }
@@ -102,6 +103,29 @@ static void test_what_never_walked_is_a_thing(void)
 {
     (void)put(0.8f, 0.0f);
     expect_free();
+}
+
+/* Before it is sure that somebody walks: what moves as people do, is no larger, and was seen now and often enough. */
+static void test_it_waits_for_who_seems_to_set_off(void)
+{
+    struct jp_mover *const thing = put(1.5f, -1.5f);
+
+    thing->velocity.y = 1.0f;
+    TEST_ASSERT_TRUE(yielded() <= 0.1501f * FAST);
+    setUp();
+    (void)put(1.5f, -1.5f);
+    expect_free();
+    for (unsigned i = 0; i < 3U; i++) {
+        struct jp_mover *mover;
+
+        setUp();
+        mover = put(1.5f, -1.5f);
+        mover->velocity.y = 1.0f;
+        mover->radius = i == 0U ? 0.4f : mover->radius;
+        mover->sightings = i == 1U ? 3U : mover->sightings;
+        mover->misses = i == 2U ? 1U : 0U;
+        expect_free();
+    }
 }
 
 static void test_who_stands_for_long_stays(void)
@@ -216,9 +240,53 @@ static void test_it_does_not_step_into_somebody(void)
     (void)put_walker(0.0f, 1.6f, 0.0f, -0.8f);
     patrol.internal.command.forward = 0.0f;
     patrol.internal.sideways = 0.2f;
+    patrol.internal.step_target = (struct jp_plane_point){0.0f, 30.0f};
     jp_patrol_yield(&patrol, &measured);
     TEST_ASSERT_NEAR(NEAR, 0.0f, patrol.internal.sideways);
     TEST_ASSERT_NEAR(NEAR, 0.0f, patrol.internal.sideways_before);
+}
+
+/* Somebody will pass behind a robot that steps on, but into one that stops before. */
+static void test_a_step_ends_where_it_ends(void)
+{
+    (void)put_walker(0.0f, -2.9f, 0.0f, 1.0f);
+    patrol.internal.step_target.x = 2.0f;
+    expect_free();
+    setUp();
+    (void)put_walker(0.0f, -2.9f, 0.0f, 1.0f);
+    patrol.internal.step_target.x = 0.4f;
+    TEST_ASSERT_TRUE(yielded() < FAST);
+}
+
+/* A quarter of a turn would bring its front to where somebody passes. */
+static void test_a_turn_ends_where_it_ends(void)
+{
+    const float turns[] = {0.05f, 0.5f * JP_PLANE_PI};
+
+    for (unsigned i = 0; i < 2U; i++) {
+        setUp();
+        (void)put_walker(3.2f, 0.95f, -1.0f, 0.0f);
+        patrol.state = JP_PATROL_TURNING;
+        patrol.internal.command = (struct jp_plane_speed){0.0f, 1.0f};
+        patrol.internal.turn_remaining = turns[i];
+        jp_patrol_yield(&patrol, &measured);
+        TEST_ASSERT_EQUAL_INT(i == 0U, patrol.internal.command.turn_rate == 1.0f);
+    }
+}
+
+/* Its wheels lead it to the left, and on along its path, which keeps off somebody's way; its command alone does not. */
+static void test_it_looks_along_the_glide(void)
+{
+    for (unsigned i = 0; i < 2U; i++) {
+        setUp();
+        rig_straight(0.0f, 0.0f, 0.5f, 0.0f);
+        rig_straight(0.5f, 0.0f, i == 0U ? 0.5f : 4.5f, i == 0U ? 4.0f : 0.0f);
+        TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(i == 0U ? 0.5f : 4.5f, i == 0U ? 4.0f : 0.0f, 0.0f, true));
+        patrol.state = JP_PATROL_GLIDING;
+        patrol.internal.command = (struct jp_plane_speed){FAST, 0.0f};
+        (void)put_walker(2.3f, -2.5f, 0.0f, 0.7f);
+        TEST_ASSERT_EQUAL_INT(i == 0U, yielded() == FAST);
+    }
 }
 
 /* A corner would come nearer. */
@@ -248,6 +316,7 @@ static void lay_band(const struct jp_plane_pose *poses, unsigned count)
     patrol.teb.count = (uint8_t)count;
     for (unsigned i = 0; i < count; i++) {
         patrol.teb.poses[i].pose = poses[i];
+        patrol.teb.poses[i].interval = 0.1f;
     }
 }
 
@@ -270,6 +339,20 @@ static void test_it_looks_along_the_band(void)
     expect_free();
     lay_band(nowhere, 0);
     expect_free();
+}
+
+/* Fast, it would have passed before somebody comes; but that is not what the band plans. */
+static void test_it_is_no_faster_than_the_band(void)
+{
+    const struct jp_plane_pose on[] = {{0.0f, 0.0f, 0.0f}, {1.5f, 0.0f, 0.0f}, {3.0f, 0.0f, 0.0f}};
+
+    (void)put_walker(0.2f, -3.9f, 0.0f, 1.0f);
+    lay_band(on, 3);
+    measured.forward = FAST;
+    expect_free();
+    patrol.teb.poses[0].interval = 8.0f;
+    patrol.teb.poses[1].interval = 8.0f;
+    expect_stand();
 }
 
 /* ---- When nothing is free ---- */
@@ -301,6 +384,29 @@ static void test_it_brakes_where_driving_on_is_worse(void)
     expect_stand();
 }
 
+/* Somebody will have reached its place, but not before it has stood there: to drive on, farther from them, is worse. */
+static void test_it_brakes_where_it_will_be_at_rest(void)
+{
+    (void)put_walker(-1.9f, 0.3f, 0.9f, 0.0f);
+    measured.forward = 0.3f;
+    patrol.internal.command.forward = 0.3f;
+    expect_stand();
+}
+
+/* However long it has waited: in a turn its corners are fast, and it takes long to be at rest. */
+static void test_it_looks_as_far_as_it_takes_to_be_at_rest(void)
+{
+    config.people.rest = 3.0f;
+    rig_init();
+    patrol.state = JP_PATROL_STEPPING;
+    patrol.internal.step_target = (struct jp_plane_point){30.0f, 0.0f};
+    patrol.internal.command = (struct jp_plane_speed){FAST, 0.0f};
+    patrol.internal.yielded = 40.0f;
+    measured.forward = FAST;
+    (void)put_walker(3.1f, -3.9f, 0.0f, 1.0f);
+    expect_slower();
+}
+
 /* One that stands is not asked to get out of the way. */
 static void test_who_walks_into_a_robot_that_stands_finds_it_standing(void)
 {
@@ -323,6 +429,21 @@ static void test_yields_are_counted_once(void)
     (void)put_walker(1.5f, -1.5f, 0.0f, 1.0f);
     expect_creep();
     TEST_ASSERT_EQUAL_UINT32(2, patrol.counts.yields);
+}
+
+/* As it thinks over what to do, until it moves or nobody is there. */
+static void test_who_stands_having_yielded_still_yields(void)
+{
+    (void)put_walker(1.5f, -1.5f, 0.0f, 1.0f);
+    patrol.internal.command.forward = 0.0f;
+    (void)yielded();
+    TEST_ASSERT_FALSE(patrol.internal.is_yielding);
+    patrol.internal.is_yielding = true;
+    (void)yielded();
+    TEST_ASSERT_TRUE(patrol.internal.is_yielding);
+    patrol.movers.count = 0;
+    (void)yielded();
+    TEST_ASSERT_FALSE(patrol.internal.is_yielding);
 }
 
 static void test_who_waits_among_people_yields(void)

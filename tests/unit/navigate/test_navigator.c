@@ -79,6 +79,7 @@ static void test_drives_where_odometry_began_in_any_direction(void)
         begin(17, 6);
         TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
         expect_at(17, 6);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT(robot.legs, robot.turns); /* once a leg */
     }
 }
 
@@ -89,6 +90,56 @@ static void test_turns_to_the_heading_of_the_goal(void)
     TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
     expect_at(18, 15);
     TEST_ASSERT_UINT32_WITHIN(1U << 23, 3U * QUARTER_TURN, jp_navigator_place(&navigator).heading);
+}
+
+/* Half a degree is facing. */
+static void test_turns_again_until_it_faces(void)
+{
+    robot.turned_by = JP_ANGLE_DEGREES(0.45);
+    begin(17, 6);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_LESS_OR_EQUAL_UINT(robot.legs, robot.turns);
+    rig_reset();
+    robot.turned_by = JP_ANGLE_DEGREES(0.55);
+    begin(17, 6);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_GREATER_THAN_UINT32(robot.legs, robot.turns);
+}
+
+static void test_a_goal_begins_without_what_was_of_the_last(void)
+{
+    init();
+    navigator.replans = 3;
+    navigator.status = JP_ERR_HARDWARE;
+    navigator.reason = JP_NAVIGATOR_VEHICLE;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, go_to(SIDE, 9, 1));
+    TEST_ASSERT_EQUAL_UINT16(3, navigator.replans);
+    TEST_ASSERT_EQUAL_INT(JP_OK, go_to(9, 9, JP_ANY_HEADING));
+    TEST_ASSERT_EQUAL_UINT16(0, navigator.replans);
+    TEST_ASSERT_EQUAL_INT(JP_OK, navigator.status);
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_NO_REASON, navigator.reason);
+}
+
+/* Where the place of the robot has no room for the planner, the nearest cell has that is on the far side. */
+static void test_plans_from_a_cell_near_the_robot(void)
+{
+    static const struct {
+        int32_t obstacle[2];
+        int32_t start[2];
+    } cases[] = {{{6, 4}, {3, 3}}, {{2, 4}, {5, 3}}, {{4, 6}, {3, 3}}, {{4, 2}, {3, 5}}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        rig_reset();
+        /* The disc is clear by 5 mm, the cell that it stands on is not. */
+        origin.point.x += (4 - cases[i].obstacle[0]) * JP_Q16(0.015);
+        origin.point.y += (4 - cases[i].obstacle[1]) * JP_Q16(0.015);
+        put_column(cases[i].obstacle[0], cases[i].obstacle[1], cases[i].obstacle[1], JP_CELL_OCCUPIED);
+        begin(18, 15);
+        TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_JOINING));
+        TEST_ASSERT_EQUAL_INT(cases[i].start[0], navigator.internal.start.x);
+        TEST_ASSERT_EQUAL_INT(cases[i].start[1], navigator.internal.start.y);
+        TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    }
 }
 
 static void test_turns_where_it_is(void)

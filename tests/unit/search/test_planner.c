@@ -404,3 +404,55 @@ static void test_slices_change_nothing(void)
         TEST_ASSERT_EQUAL_UINT32(plan.step_count, jp_planner_plan(&planner)->step_count);
     }
 }
+
+/* What the search holds */
+
+struct held {
+    uint32_t states;
+    uint32_t open;
+    bool has_start;
+    bool has_goal;
+};
+
+static struct held held(void)
+{
+    struct held found = {0};
+    struct jp_lattice_pose pose;
+    uint32_t slot = 0;
+    uint32_t before = 0;
+    bool is_open = false;
+
+    while (jp_planner_next_state(&planner, &slot, &pose, &is_open)) {
+        TEST_ASSERT_TRUE(slot > before);
+        TEST_ASSERT_TRUE(pose.x >= 0 && pose.x < WIDTH && pose.y >= 0 && pose.y < HEIGHT && pose.heading < JP_HEADINGS);
+        before = slot;
+        found.states++;
+        found.open += is_open;
+        found.has_start |= pose.x == west.x && pose.y == west.y && pose.heading == west.heading;
+        found.has_goal |= pose.x == east.x && pose.y == east.y && pose.heading == 0;
+    }
+    TEST_ASSERT_FALSE(jp_planner_next_state(&planner, &slot, &pose, &is_open));
+    return found;
+}
+
+/* From the goal to the robot, more and more. */
+static void test_each_state_of_the_search_is_told(void)
+{
+    uint32_t most = 0;
+
+    start_planner(sizeof block);
+    TEST_ASSERT_EQUAL_UINT32(0, held().states);
+    go(&west, &east);
+    TEST_ASSERT_EQUAL_UINT32(0, held().states);
+    while (!jp_planner_is_idle(&planner)) {
+        (void)jp_planner_work(&planner, 1);
+        const struct held found = held();
+        TEST_ASSERT_TRUE(found.states == 0 || found.states == jp_planner_statistics(&planner)->states);
+        TEST_ASSERT_TRUE(found.states == 0 || found.has_goal);
+        TEST_ASSERT_TRUE(found.open <= found.states);
+        most = found.states > most ? found.states : most;
+    }
+    const struct held found = held();
+    TEST_ASSERT_EQUAL_UINT32(most, found.states);
+    TEST_ASSERT_TRUE(found.has_start && found.open > 0 && found.open < found.states);
+}

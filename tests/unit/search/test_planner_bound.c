@@ -62,6 +62,17 @@ static void plan_with_lent_states(void)
     TEST_ASSERT_TRUE(planner.internal.lent != JP_PLANNER_LENT_TO_NONE);
 }
 
+static void test_lent_states_are_not_told(void)
+{
+    struct jp_lattice_pose pose;
+    uint32_t slot = 0;
+    bool is_open;
+
+    plan_with_lent_states();
+    TEST_ASSERT_FALSE(jp_planner_next_state(&planner, &slot, &pose, &is_open));
+    TEST_ASSERT_EQUAL_UINT32(0, slot);
+}
+
 static void expect_as_if_begun_anew(void)
 {
     const enum jp_answer answer = finish();

@@ -352,6 +352,94 @@ static void test_slip_in_a_turn_is_limited(void)
     TEST_ASSERT_INT64_WITHIN(METRE / 10000, -METRE * 157 / 100000, odometry.y);
 }
 
+/* On a slope that would make it slide as far as it may if treads crept in proportion: they creep 2^(-1/4) of that. */
+static void test_treads_yield_less_where_one_axle_holds(void)
+{
+    config.turn_creep_along = JP_Q24(0.5);
+    config.turn_creep_across = JP_Q24(1);
+    config.turn_slide_most = JP_Q24(0.1);
+    sensors.accel_x = JP_Q24(0.1);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
+    drive(1, -164, 164, JP_Q24(0.125)); /* 0.0314 rad */
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), JP_Q24(0.8409 * 0.6283185), -odometry.internal.slip.across);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), JP_Q24(0.8409 * 0.3141593), odometry.internal.slip.along);
+}
+
+/* Beyond the end of what is known of it, and between its steps. */
+static void test_share_that_treads_yield(void)
+{
+    static const struct {
+        jp_q24 left;
+        int32_t share; /* Q15 */
+    } shares[] = {{JP_Q24(0.05), 32275}, {JP_Q24(0.0625), 31434}, {JP_Q24(0.3), 10889}, {JP_Q24(0.9), 8727}};
+
+    config.turn_creep_across = JP_Q24(1);
+    config.turn_slide_most = JP_Q24(0.1);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    for (unsigned i = 0; i < sizeof shares / sizeof *shares; i++) {
+        odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = shares[i].left;
+        odometry.internal.tilt.variance[JP_SKID_TILT_LEFT] = 1;
+        drive(1, -164, 164, JP_Q24(0.125));
+        TEST_ASSERT_INT32_WITHIN(20, shares[i].share, odometry.internal.slip.yielding);
+    }
+}
+
+/* A robot with one axle slides by its treads' creep alone. */
+static void test_turn_that_may_not_slide_does_not(void)
+{
+    config.turn_creep_across = JP_Q24(1);
+    config.turn_slide_most = 0;
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
+    drive(1, -164, 164, JP_Q24(0.125));
+    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.sideways);
+}
+
+/* What rolls across a slope creeps down it, but for the part of the way that a turn holds: Kx |turn|/4 against κ |way|.
+ */
+static void test_turn_holds_what_rolls_across(void)
+{
+    config.creep = JP_Q24(0.1);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
+    drive(1, 256, 256, 0);
+    TEST_ASSERT_INT32_WITHIN((int32_t)(METRE / 100000), -(int32_t)(METRE / 32 / 100), odometry.internal.step.sideways);
+    config.turn_creep_along = JP_Q24(0.1);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
+    drive(1, 92, 420, JP_Q24(0.125)); /* 0.0314 rad: holds 0.785 of 3.125 mm; pushed outwards by 0.0626 g */
+    TEST_ASSERT_INT32_WITHIN((int32_t)(METRE / 20000), -(int32_t)(METRE * 2340 / 1000000 * 1626 / 10000),
+                             odometry.internal.step.sideways);
+    config.turn_creep_along = JP_Q24(8);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
+    drive(1, 92, 420, JP_Q24(0.125));
+    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.sideways);
+}
+
+/* Wheels that speed up or brake are not believed to tell the grade, nor just after. */
+static void test_grade_is_not_told_by_what_speeds_up(void)
+{
+    drive(100, 256, 256, 0);
+    odometry.internal.tilt.variance[JP_SKID_TILT_AHEAD] = (int32_t)1 << 26;
+    const struct jp_skid_odometry calm = odometry;
+
+    sensors.accel_x = JP_Q24(0.1);
+    drive(1, 256, 256, 0);
+    const jp_q24 told = odometry.internal.tilt.state[JP_SKID_TILT_AHEAD];
+    odometry = calm;
+    sensors.encoder_left = odometry.internal.encoder[JP_SKID_LEFT];
+    sensors.encoder_right = odometry.internal.encoder[JP_SKID_RIGHT];
+    odometry.internal.tilt.unrest = JP_Q24(0.2);
+    drive(1, 256, 256, 0);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.2) - JP_Q24(0.2) / 8, odometry.internal.tilt.unrest);
+    TEST_ASSERT_TRUE(told > JP_Q24(0.03) && odometry.internal.tilt.state[JP_SKID_TILT_AHEAD] < told / 4);
+    sensors.accel_x = 0;
+    drive(1, 512, 512, 0); /* 19.5 m/s² */
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(1.992), odometry.internal.tilt.unrest);
+}
+
 /* Load that moves to an axle behind, or to a side, moves what the robot turns about. */
 static void test_load_moves_the_centre_of_a_turn(void)
 {
@@ -484,6 +572,21 @@ static void test_currents_of_a_turn_tell_the_grip(void)
     TEST_ASSERT_EQUAL_INT32(JP_Q24(0.4) * 2, odometry.internal.slip.turn_force);
 }
 
+/* On a slope that lets one axle hold the robot, it takes less force to turn it on the same ground: 0.8409 of 0.4 g. */
+static void test_slope_is_not_taken_for_slippery_ground(void)
+{
+    skid(JP_Q16(4.4), 1);
+    config.turn_slide_most = JP_Q24(0.1);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    sensors.current_left = -JP_Q16(3.7636); /* 2 (0.05 i − 0.02) g = 0.33636 g */
+    sensors.current_right = JP_Q16(3.7636);
+    for (int step = 0; step < 64; step++) {
+        odometry.internal.tilt.state[JP_SKID_TILT_LEFT] = JP_Q24(0.1);
+        drive(1, -82, 82, JP_Q24(0.125));
+    }
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), JP_Q24(0.4), odometry.internal.slip.turn_force);
+}
+
 static void test_turn_to_the_right_tells_the_same(void)
 {
     skid(JP_Q16(2.4), 1);
@@ -561,6 +664,22 @@ static void test_ratio_grows_as_the_robot_is_pushed_aside(void)
         drive(1, -256, 256, JP_Q24(0.40625)); /* 4 % more than the ratio says */
     }
     TEST_ASSERT_INT32_WITHIN(JP_Q24(0.004), JP_Q24(0.5), odometry.steering_ratio);
+}
+
+/* The ratio is learned the less, the more pushes the robot. */
+static void test_ratio_is_hardly_learned_while_the_robot_is_pushed(void)
+{
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    drive(20, -256, 256, JP_Q24(0.5));
+    const int32_t level = odometry.internal.gyro.ratio_ratio;
+
+    config.ratio_growth = JP_Q24(1);
+    config.turn_creep_along = JP_Q24(0.5);
+    sensors.accel_x = JP_Q24(0.1); /* 0.314 m/turn: 0.099 */
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    drive(20, -256, 256, JP_Q24(0.5));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.03), JP_Q24(0.099), odometry.internal.step.pushed);
+    TEST_ASSERT_TRUE(odometry.internal.gyro.ratio_ratio > 2 * level);
 }
 
 /* ---- What is known ---- */
@@ -641,4 +760,18 @@ static void test_deviations_saturate(void)
     TEST_ASSERT_TRUE(estimate().xx > 0);
     TEST_ASSERT_TRUE(estimate().yy > 0);
     TEST_ASSERT_TRUE(estimate().heading_deviation > 0);
+}
+
+/* What it drove after a bias of which it knows nothing: no square exceeds 64 bits. */
+static void test_a_heading_that_nothing_is_known_of_saturates(void)
+{
+    config.tick_rate = 100;
+    config.step_ticks = 32;
+    config.bias_deviation = JP_Q24(0.1);
+    config.scale_deviation = JP_Q24(0.1);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    odometry.internal.past.steps = (int32_t)1 << 25;
+    odometry.internal.past.turned = INT32_MIN;
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, estimate().heading_deviation);
+    TEST_ASSERT_TRUE(estimate().steering_ratio_deviation > 0);
 }

@@ -375,6 +375,10 @@ static void test_stopping_distance(void)
     TEST_ASSERT_EQUAL_INT32(0, jp_skid_robot_stopping_distance(&config, 0));
     config.limits.acceleration = JP_Q24(0.01);
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, jp_skid_robot_stopping_distance(&config, JP_Q24(8)));
+
+    config.limits.acceleration = JP_Q24(64); /* the greatest: twice as much has no format */
+    config.control.tick_rate = 1000;
+    TEST_ASSERT_INT32_WITHIN(4, JP_Q24(0.5625) + JP_Q24(0.032), jp_skid_robot_stopping_distance(&config, JP_Q24(8)));
 }
 
 /* What it tells */

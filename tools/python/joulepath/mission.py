@@ -10,7 +10,7 @@ from ._call import array_over, check, encoded, record, text
 from ._native import ffi, lib
 from .robot import robot_path
 
-_FOLDER = Path(__file__).parent / "scenarios"
+_FOLDER = Path(__file__).parent / "sim" / "scenarios"
 
 STRATEGIES = {"segments": lib.MISSION_OPTIMAL, "cruise": lib.MISSION_CRUISE,
               "optimised cruise": lib.MISSION_OPTIMISED_CRUISE, "bezier": lib.MISSION_BEZIER,

@@ -5,7 +5,7 @@ from pathlib import Path
 from ._call import Error, check, encoded, text
 from ._native import ffi, lib
 
-_FOLDER = Path(__file__).parent / "robots"
+_FOLDER = Path(__file__).parent / "sim" / "robots"
 
 
 def robots():
@@ -84,6 +84,16 @@ class Lattice:
             raise Error(f"{robot.name}: no lattice is built in for this robot; make one with tools.design.lattice --json "
                         "and give Lattice.load()")
         self.robot_name = robot.name
+
+    @classmethod
+    def for_navigation(cls, robot):
+        """The one that a robot finds its own way by."""
+        lattice = cls.__new__(cls)
+        lattice._lattice = lib.plan_lattice_for_navigation(encoded(robot.name))
+        if lattice._lattice == ffi.NULL or robot._robot.turning_radius_m == 0:
+            raise Error(f"{robot.name}: no lattice for finding its way is built in; give a robot that has a section navigation")
+        lattice.robot_name = robot.name
+        return lattice
 
     @classmethod
     def load(cls, path):
