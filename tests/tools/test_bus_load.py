@@ -131,7 +131,7 @@ def test_a_log_is_measured(tmp_path):
 def test_in_lockstep_the_simulation_tells_the_time(tmp_path):
     """From a tick that waits (-1) to tick 199, however long that took; its own frames do not count."""
     ticks = [0xFFFFFFFF, 0xFFFFFFFF, *range(200)]
-    frames = [(i * 3.0, standard(0x7F0, tick.to_bytes(4, "little") + b"\1\0\0\0")) for i, tick in enumerate(ticks)]
+    frames = [(i * 3.0, standard(0x7F0, tick.to_bytes(4, "little") + b"\1\0\xE8\3")) for i, tick in enumerate(ticks)]
     frames += [(9000.0, standard(0x7F1, bytes(4))), (9000.0, standard(0x184, bytes(8)))]
     write_log(tmp_path / "bus.log", frames)
     run_tool("measure.bus_load", "--log", tmp_path / "bus.log", "--json", tmp_path / "load.json")

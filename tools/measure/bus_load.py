@@ -128,7 +128,7 @@ def measure(path):
         message = message_of(frame)
         times = [*times[:1], frame.timestamp]
         if message is not None and message.name == "SimTime":
-            clock.take(message.decode(frame.data)["Tick"])
+            clock.take(message.decode(frame.data))
         name = f"id 0x{frame.arbitration_id:x}" if message is None else message.name
         if not frame.is_error_frame and name not in SIMULATION:
             ids, data = kinds[name, Kind(frame.is_extended_id, frame.is_remote_frame, frame.dlc)]

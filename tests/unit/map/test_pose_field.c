@@ -10,7 +10,7 @@
 
 enum {
     WIDTH = 12,
-    HEIGHT = 7,
+    HEIGHT = 6,
     POSES = WIDTH * HEIGHT * JP_HEADINGS,
     BLOCK_BYTES = POSES * 3 + HEIGHT * WIDTH * JP_HEADINGS / 32 * 4 + HEIGHT * JP_HEADINGS * 4
 };
