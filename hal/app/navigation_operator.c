@@ -38,8 +38,7 @@ const char *jp_navigation_failure_text(enum jp_navigation_failure failure)
         [JP_NAVIGATION_UNREACHABLE] = "no way leads to the goal: give another one",
         [JP_NAVIGATION_GAVE_UP] = "the navigator gave up: see Reason in NavigationStatus",
         [JP_NAVIGATION_STOPPED] = "the robot was told to stand, or heard no commands for 500 ms",
-        [JP_NAVIGATION_CAME_HOME] = "the robot has come home again: its battery would not have lasted, or the goal "
-                                    "cannot be reached; charge it, or give another goal",
+        [JP_NAVIGATION_CAME_HOME] = "the robot has come home again: charge it, or give a goal that can be reached",
         [JP_NAVIGATION_NO_WAY_HOME] = "no way leads home: see HomeState in HomeStatus",
     };
 

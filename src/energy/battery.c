@@ -324,7 +324,7 @@ static jp_q16 share_of_most(jp_energy energy, jp_energy deviation)
     jp_energy whole = energy;
     jp_energy part = deviation;
 
-    while (whole > INT32_MAX || part > INT32_MAX) {
+    while (((uint64_t)whole | (uint64_t)part) > (uint64_t)INT32_MAX) {
         whole /= 2;
         part /= 2;
     }

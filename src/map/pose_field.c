@@ -198,25 +198,33 @@ static uint64_t blocked_words(const struct jp_terrain *terrain, int32_t row, int
     return (uint64_t)blocked_word(terrain, row, word + 1) << WORD_BITS | blocked_word(terrain, row, word);
 }
 
+/** That holds a column, which may be off the map. */
+static int32_t word_of(int32_t x)
+{
+    const uint32_t bit = (uint32_t)x % WORD_BITS;
+
+    return (x - (int32_t)bit) / (int32_t)WORD_BITS;
+}
+
 /** Where the cells of a span are not all clear, beside the cells of a word. */
 static uint32_t barred_by_span(const struct jp_terrain *terrain, const struct jp_span *span, int32_t y, int32_t word)
 {
     const int32_t row = y + span->y;
     const int32_t first = word * (int32_t)WORD_BITS;
-    int32_t held = INT32_MIN;
+    int32_t held = word_of(first + (int32_t)span->first);
     uint64_t cells = 0;
     uint32_t barred = 0;
 
     if (!terrain_contains(terrain, 0, row)) {
         return UINT32_MAX;
     }
-    for (int32_t offset = span->first; offset <= span->last; offset++) {
-        const uint32_t bit = (uint32_t)(first + offset) % WORD_BITS;
-        const int32_t begin = (first + offset - (int32_t)bit) / (int32_t)WORD_BITS;
+    cells = blocked_words(terrain, row, held);
+    for (int32_t x = first + (int32_t)span->first; x <= first + (int32_t)span->last; x++) {
+        const uint32_t bit = (uint32_t)x % WORD_BITS;
 
-        if (begin != held) {
-            cells = blocked_words(terrain, row, begin);
-            held = begin;
+        if (word_of(x) != held) {
+            held = word_of(x);
+            cells = blocked_words(terrain, row, held);
         }
         barred |= (uint32_t)(cells >> bit);
     }

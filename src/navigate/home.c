@@ -281,8 +281,8 @@ static struct jp_forecast way_back(const struct jp_home *home, const struct jp_f
 
 static struct jp_forecast share_of(const struct jp_forecast *forecast, unsigned part, unsigned whole)
 {
-    return (struct jp_forecast){jp_saturate32((int64_t)forecast->energy * part / whole),
-                                jp_saturate32((int64_t)forecast->deviation * part / whole)};
+    return (struct jp_forecast){jp_saturate32((int64_t)forecast->energy * (int64_t)part / (int64_t)whole),
+                                jp_saturate32((int64_t)forecast->deviation * (int64_t)part / (int64_t)whole)};
 }
 
 /** What the learner is wrong by it is on the whole way; the factors are wrong on their own. */
@@ -291,14 +291,15 @@ static struct jp_forecast way_of(const struct jp_home *home, const struct jp_for
     const unsigned out = drives / 2U;
     const struct jp_forecast away = share_of(forecast, out, drives);
     const struct jp_forecast home_again = share_of(forecast, drives - out, drives);
-    const struct jp_forecast sure[2] = {{away.energy, 0}, {home_again.energy, 0}};
-    const struct jp_forecast parts[2] = {driven(home, &home->learned.out, &sure[0], out),
-                                         driven(home, &home->learned.back, &sure[1], drives - out)};
+    const struct jp_forecast sure_away = {away.energy, 0};
+    const struct jp_forecast sure_home = {home_again.energy, 0};
+    const struct jp_forecast goes = driven(home, &home->learned.out, &sure_away, out);
+    const struct jp_forecast comes = driven(home, &home->learned.back, &sure_home, drives - out);
     const jp_q16 of_learner = jp_add(jp_q16_multiply(away.deviation, home->learned.out.mean),
                                      jp_q16_multiply(home_again.deviation, home->learned.back.mean));
 
-    return (struct jp_forecast){jp_add(parts[0].energy, parts[1].energy),
-                                root_of_squares(of_learner, root_of_squares(parts[0].deviation, parts[1].deviation))};
+    return (struct jp_forecast){jp_add(goes.energy, comes.energy),
+                                root_of_squares(of_learner, root_of_squares(goes.deviation, comes.deviation))};
 }
 
 enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, unsigned drives, struct jp_forecast *way)

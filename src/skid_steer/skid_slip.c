@@ -48,17 +48,16 @@ void jp_skid_slip_start(struct jp_skid_slip *slip, const struct jp_skid_odometry
 }
 
 /* (1 + x⁴)^(-1/4) of x in steps of a quarter, Q15. */
-#define SHARES     16
+#define SHARES     16U
 #define SHARE_BITS 15U
 #define X_BITS     10U
-
-static const uint16_t yielding_shares[SHARES] = {32768, 32736, 32275, 30592, 27554, 24058, 20883, 18256,
-                                                 16138, 14425, 13025, 11864, 10889, 10060, 9347,  8727};
 
 /* Of what treads would creep across in proportion to their load, the share that they do: x is that over the most. The
  * axle that slips less holds the more. The force that turns the robot falls by as much. */
 static int32_t yielding_share(const struct jp_skid_slip *slip, int32_t across)
 {
+    static const uint16_t yielding_shares[SHARES] = {32768, 32736, 32275, 30592, 27554, 24058, 20883, 18256,
+                                                     16138, 14425, 13025, 11864, 10889, 10060, 9347,  8727};
     const uint32_t x = (uint32_t)jp_multiply_shift(jp_skid_size(across), slip->per_most, 28); /* Q12 */
     const uint32_t i = x >> X_BITS;
 

@@ -28,7 +28,7 @@
 
 /** Of what a slope makes a robot slide by the radian where nothing limits it, or at most, treads yield so much about
  * there: (1 + x⁴)^(-1/4) of the former over the latter (skid_odometry.h). */
-#define YIELDING JP_Q24(0.8)
+#define YIELDING_MAX JP_Q24(0.8)
 
 /** Pieces that are looked at for what the robot will slide. */
 #define PIECES_AHEAD 3U
@@ -364,7 +364,7 @@ static jp_q24 lean_on(const struct jp_path_drive_internal *d, const struct jp_pa
     const jp_q24 right = right_turn > 0 ? ahead : behind;
     const jp_q24 slides =
         jp_add(left > 0 ? jp_q24_multiply(left, left_turn) : 0, right < 0 ? jp_q24_multiply(right, right_turn) : 0);
-    const jp_q24 by_turn = jp_q24_multiply(jp_q24_multiply(slides, YIELDING), slide->per_most);
+    const jp_q24 by_turn = jp_q24_multiply(jp_q24_multiply(slides, YIELDING_MAX), slide->per_most);
 
     return jp_clamp32(jp_add(by_turn, jp_q24_multiply(slide->by_way, slide->left)), -AIM_MAX, AIM_MAX);
 }
