@@ -7,7 +7,7 @@ from conftest import ROOT
 
 PAGE = (ROOT / "tests/SAFETY.md").read_text(encoding="utf-8")
 NAMES = sorted(set(re.findall(r"`(tests/[\w./]+(?:::\w+)?)`", PAGE)))
-COMMANDS = sorted(set(re.findall(r"(?:^|`)make ([a-z]+(?: [a-z]+)*)", PAGE, re.M)))
+COMMANDS = sorted(set(re.findall(r"(?:^|`)make ([a-z-]+(?: [a-z-]+)*)", PAGE, re.M)))
 LINKS = sorted(set(re.findall(r"\]\(([^)#]+)\)", PAGE)))
 
 
