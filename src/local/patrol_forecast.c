@@ -134,21 +134,41 @@ static float path_length(const struct jp_patrol_plan *plan)
     return length;
 }
 
-/* A piece of the path by its length, its turn and what is left after it. */
+/* Part of a piece in which the speed changes evenly. `bend`: its turn by the metre. */
+static void drive_part(struct planned_leg *leg, float start, float end, float length, float bend)
+{
+    const float mean = 0.5f * (start + end);
+
+    if (length > 0.0f) {
+        add(leg, start, end, bend * mean, 0.0f, length / mean);
+    }
+}
+
+/* A piece of the path by its length, its turn and what is left after it: the robot speeds up to what the piece lets it,
+ * and slows down for what comes. */
 static void drive_piece(struct planned_leg *leg, float length, float turned, float left)
 {
     const struct jp_teb_config *const teb = &leg->config->teb;
-    const float acceleration = teb->acceleration;
-    const float bend = jp_plane_magnitude(turned) / length;
-    const float bent = bend > teb->turn_rate_max / teb->speed_max ? teb->turn_rate_max / bend : teb->speed_max;
-    const float risen = jp_plane_square_root(leg->speed * leg->speed + 2.0f * acceleration * length);
-    const float stopping = jp_plane_square_root(2.0f * acceleration * left);
+    const float doubled = 2.0f * teb->acceleration;
+    const float bend = turned / length;
+    const float sharp = jp_plane_magnitude(bend);
+    const float bent = sharp > teb->turn_rate_max / teb->speed_max ? teb->turn_rate_max / sharp : teb->speed_max;
+    const float now = leg->speed * leg->speed;
+    const float risen = jp_plane_square_root(now + doubled * length);
+    const float stopping = jp_plane_square_root(doubled * left);
     const float next = smaller(smaller(risen, stopping), bent);
-    const float peak = jp_plane_square_root(acceleration * length); /* of a piece from stand to stand */
-    const float ends = 0.5f * (leg->speed + next);
-    const float mean = jp_plane_larger(ends, 0.5f * peak);
+    const float peak = jp_plane_square_root(0.5f * (doubled * length + now + next * next));
+    const float top = smaller(jp_plane_larger(bent, leg->speed), peak);
+    const float rise = (top * top - now) / doubled;
+    const float fall = (top * top - next * next) / doubled;
 
-    add(leg, leg->speed + mean - ends, next + mean - ends, turned * mean / length, 0.0f, length / mean);
+    if (rise < 0.0f) { /* it comes faster than it could slow down from within the piece */
+        drive_part(leg, leg->speed, next, length, bend);
+    } else {
+        drive_part(leg, leg->speed, top, rise, bend);
+        drive_part(leg, top, top, length - rise - fall, bend);
+        drive_part(leg, top, next, fall, bend);
+    }
     leg->speed = next;
 }
 

@@ -110,6 +110,33 @@ static void test_a_small_turn_is_glided(void)
     expect_leg(&plan, seconds, seconds * 25.0f + 42.4f + 4.0f * 0.7854f);
 }
 
+/* Of two points: 2 s up, 8 m at 1 m/s, 2 s down; 10 N over 10 m. */
+static void test_a_long_piece_is_driven_at_the_greatest_speed(void)
+{
+    struct jp_patrol_plan plan = plan_to(10.0f, 0.0f, 0.0f, true);
+
+    path_count = 0;
+    rig_point(0.0f, 0.0f);
+    rig_point(10.0f, 0.0f);
+    plan.path_count = path_count;
+    expect_leg(&plan, 12.0f, 12.0f * 25.0f + 100.0f);
+}
+
+/* From 1 m/s a bend of a right angle within 0.2 m is come to too fast: what speed it ends with is the bend's. */
+static void test_a_sharp_bend_at_full_speed(void)
+{
+    struct jp_patrol_plan plan = plan_to(8.0f, 0.0f, 0.0f, true);
+
+    path_count = 0;
+    rig_point(0.0f, 0.0f);
+    rig_point(4.0f, 0.0f);
+    rig_point(4.0f, 0.2f);
+    rig_point(4.0f, 4.0f);
+    plan.path_count = path_count;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+    TEST_ASSERT_TRUE(duration > 8.0f / 1.0f + 2.0f && duration < 16.0f);
+}
+
 /* In one piece, from stand to stand. */
 static void test_a_path_of_two_points(void)
 {
