@@ -6,25 +6,11 @@
 
 #include "hal/can/jp_can.h"
 #include "hal/can/wheel_link.h"
-#include "tests/support/fault_matrix.h"
+#include "tests/support/fault_matrix_ends.h"
 
-enum { BOARD, CAN, TRANSPORTS };
-enum { STATES = JP_FOUR_WHEEL_ROBOT_FAULT + 1, LONG_ENOUGH = 300 };
-
-#define ON_BOARD 1U
-#define ON_CAN   2U
-#define ON_BOTH  3U
-
-static const char *const transports[TRANSPORTS] = {"board", "CAN"};
-static const char *const states[STATES] = {"idle", "standing", "driving", "fault"};
 /* Faster than limits.speed_lag, below which a wheel may lag by all of its speed. */
 static const struct jp_twist ahead = {.x = JP_Q24(0.6)};
 
-static int transport;
-static bool is_silent;
-static bool is_forgotten; /* nobody renews the twist */
-static enum { SOUND, CORRUPT, SHORT, REPEATED } frames_are;
-static unsigned failing_ticks;
 static const struct jp_four_wheel_robot_config *const config = &jp_four_wheel_robot_patrol;
 static struct jp_four_wheel_robot robot;
 static struct jp_four_wheel_sensors sensors;
@@ -44,10 +30,6 @@ void setUp(void)
     memset(&actuation, 0, sizeof actuation);
     memset(&link, 0, sizeof link);
     memset(rolled, 0, sizeof rolled);
-    is_silent = false;
-    is_forgotten = false;
-    frames_are = SOUND;
-    failing_ticks = 0;
     sample_counter = 0;
 }
 
@@ -82,29 +64,9 @@ static void lose_voltage(void)
     failing.bus_voltage = config->limits.voltage_min - JP_Q16(0.5);
 }
 
-static void fall_silent(void)
-{
-    is_silent = true;
-}
-
 static void fall_silent_for_a_while(void)
 {
     is_silent = failing_ticks < config->limits.confirm_ticks;
-}
-
-static void corrupt(void)
-{
-    frames_are = CORRUPT;
-}
-
-static void shorten(void)
-{
-    frames_are = SHORT;
-}
-
-static void repeat(void)
-{
-    frames_are = REPEATED;
 }
 
 static void block(unsigned wheel)
@@ -125,11 +87,6 @@ static void block_right(void)
     block(JP_REAR_RIGHT);
 }
 
-static void forget(void)
-{
-    is_forgotten = true;
-}
-
 static void reset_once(void)
 {
     struct jp_four_wheel_snapshot snapshot;
@@ -139,7 +96,7 @@ static void reset_once(void)
         jp_four_wheel_robot_snapshot(&robot, &snapshot);
         TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_init(&robot, config, &field));
         (void)jp_four_wheel_robot_resume(&robot, &snapshot);
-        is_forgotten = true;
+        operator_is = SILENT;
     }
 }
 
@@ -189,6 +146,14 @@ static void tick(void (*inject)(void))
     jp_four_wheel_robot_account(&robot);
 }
 
+static void tick_failing(void (*inject)(void), int state)
+{
+    if (state == DRIVING && operator_is != SILENT) {
+        (void)jp_four_wheel_robot_drive(&robot, &ahead);
+    }
+    tick(inject);
+}
+
 static void run(unsigned ticks)
 {
     for (unsigned i = 0; i < ticks; i++) {
@@ -198,9 +163,14 @@ static void run(unsigned ticks)
 
 /* ---- States ---- */
 
-static void stand(void)
+static void wake(void)
 {
     run(3);
+}
+
+static void stand(void)
+{
+    wake();
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_enable(&robot));
     run(3);
 }
@@ -225,85 +195,10 @@ static void fail(void)
     run(1);
 }
 
-static void reach(enum jp_four_wheel_robot_state state)
+static int state_now(void)
 {
-    static void (*const ways[STATES])(void) = {NULL, stand, drive, fail};
-
-    if (ways[state] != NULL) {
-        ways[state]();
-    } else {
-        run(3);
-    }
-    TEST_ASSERT_EQUAL_INT(state, jp_four_wheel_robot_state_now(&robot));
+    return (int)jp_four_wheel_robot_state_now(&robot);
 }
-
-/* ---- The matrix ---- */
-
-struct end {
-    enum jp_four_wheel_robot_state state;
-    uint16_t faults;
-};
-
-struct row {
-    const char *fault;
-    void (*inject)(void);
-    unsigned on; /* which transports */
-    unsigned ticks;
-    struct end ends[STATES];
-};
-
-#define FAULT_STAYS                                                                                                    \
-    {                                                                                                                  \
-        JP_FOUR_WHEEL_ROBOT_FAULT, JP_FAULT_BUS_VOLTAGE                                                                \
-    }
-
-/* Of one that ends every motion; faults add up. */
-#define STOPS(bits)                                                                                                    \
-    {                                                                                                                  \
-        {JP_FOUR_WHEEL_ROBOT_FAULT, bits}, {JP_FOUR_WHEEL_ROBOT_FAULT, bits}, {JP_FOUR_WHEEL_ROBOT_FAULT, bits},       \
-        {                                                                                                              \
-            JP_FOUR_WHEEL_ROBOT_FAULT, (bits) | JP_FAULT_BUS_VOLTAGE                                                   \
-        }                                                                                                              \
-    }
-
-/* Of one that shows in motion only. */
-#define IN_MOTION(bits)                                                                                                \
-    {                                                                                                                  \
-        {JP_FOUR_WHEEL_ROBOT_IDLE, 0}, {JP_FOUR_WHEEL_ROBOT_STANDING, 0}, {JP_FOUR_WHEEL_ROBOT_FAULT, bits},           \
-            FAULT_STAYS                                                                                                \
-    }
-
-/* Of one that the robot rides out, driving in the state `driving`. */
-#define RIDDEN_OUT(driving)                                                                                            \
-    {                                                                                                                  \
-        {JP_FOUR_WHEEL_ROBOT_IDLE, 0}, {JP_FOUR_WHEEL_ROBOT_STANDING, 0}, {driving, 0}, FAULT_STAYS                    \
-    }
-
-/* Of a reset: a robot that drove brakes and stands; a fault is over. */
-#define AFTER_RESET                                                                                                    \
-    {                                                                                                                  \
-        {JP_FOUR_WHEEL_ROBOT_IDLE, 0}, {JP_FOUR_WHEEL_ROBOT_STANDING, 0}, {JP_FOUR_WHEEL_ROBOT_STANDING, 0},           \
-        {                                                                                                              \
-            JP_FOUR_WHEEL_ROBOT_IDLE, 0                                                                                \
-        }                                                                                                              \
-    }
-
-static const struct row rows[] = {
-    {"ENCODER_JUMP", jump, ON_BOTH, 4, STOPS(JP_FAULT_ENCODER_JUMP)},
-    {"ENCODER_LEFT", leave_angle_left, ON_BOTH, 4, STOPS(JP_FAULT_ENCODER_LEFT)},
-    {"ENCODER_RIGHT", leave_angle_right, ON_BOTH, 4, STOPS(JP_FAULT_ENCODER_RIGHT)},
-    {"CURRENT_RANGE", leave_current, ON_BOTH, 4, STOPS(JP_FAULT_CURRENT_RANGE)},
-    {"BUS_VOLTAGE", lose_voltage, ON_BOTH, 4, STOPS(JP_FAULT_BUS_VOLTAGE)},
-    {"HARDWARE: no samples", fall_silent, ON_BOTH, 4, STOPS(JP_FAULT_HARDWARE)},
-    {"STALLED_LEFT", block_left, ON_BOTH, 51, IN_MOTION(JP_FAULT_STALLED_LEFT)},
-    {"STALLED_RIGHT", block_right, ON_BOTH, 51, IN_MOTION(JP_FAULT_STALLED_RIGHT)},
-    {"samples stay away for 40 ms", fall_silent_for_a_while, ON_CAN, 0, RIDDEN_OUT(JP_FOUR_WHEEL_ROBOT_DRIVING)},
-    {"samples are corrupt", corrupt, ON_CAN, 4, STOPS(JP_FAULT_HARDWARE)},
-    {"samples are short", shorten, ON_CAN, 4, STOPS(JP_FAULT_HARDWARE)},
-    {"samples are repeated", repeat, ON_CAN, 4, STOPS(JP_FAULT_HARDWARE)},
-    {"the operator is silent", forget, ON_BOTH, 0, RIDDEN_OUT(JP_FOUR_WHEEL_ROBOT_STANDING)},
-    {"the controller is reset", reset_once, ON_BOTH, 0, AFTER_RESET},
-};
 
 static uint16_t faults(void)
 {
@@ -313,57 +208,45 @@ static uint16_t faults(void)
     return telemetry.faults;
 }
 
-static bool is_moved(void)
-{
-    const enum jp_four_wheel_robot_state state = jp_four_wheel_robot_state_now(&robot);
+static const struct matrix_state states[STATES] = {
+    {"idle", wake}, {"standing", stand}, {"driving", drive}, {"fault", fail}};
 
-    return state == JP_FOUR_WHEEL_ROBOT_STANDING || state == JP_FOUR_WHEEL_ROBOT_DRIVING;
-}
+/* ---- The matrix ---- */
 
-static void check_cell(const struct row *row, enum jp_four_wheel_robot_state state)
-{
-    const struct matrix_cell cell = {"four wheels", transports[transport], row->fault, states[state]};
-    char expected[MATRIX_TEXT];
-    char seen[MATRIX_TEXT];
-    unsigned ticks = 0;
+static const struct matrix_row rows[] = {
+    {"ENCODER_JUMP", jump, ON_BOTH, 4, 0, STOPS(JP_FAULT_ENCODER_JUMP)},
+    {"ENCODER_LEFT", leave_angle_left, ON_BOTH, 4, 0, STOPS(JP_FAULT_ENCODER_LEFT)},
+    {"ENCODER_RIGHT", leave_angle_right, ON_BOTH, 4, 0, STOPS(JP_FAULT_ENCODER_RIGHT)},
+    {"CURRENT_RANGE", leave_current, ON_BOTH, 4, 0, STOPS(JP_FAULT_CURRENT_RANGE)},
+    {"BUS_VOLTAGE", lose_voltage, ON_BOTH, 4, 0, STOPS(JP_FAULT_BUS_VOLTAGE)},
+    {"HARDWARE: no samples", fall_silent, ON_BOTH, 4, 0, STOPS(JP_FAULT_HARDWARE)},
+    {"STALLED_LEFT", block_left, ON_BOTH, 51, 0, IN_MOTION(JP_FAULT_STALLED_LEFT)},
+    {"STALLED_RIGHT", block_right, ON_BOTH, 51, 0, IN_MOTION(JP_FAULT_STALLED_RIGHT)},
+    {"samples stay away for 40 ms", fall_silent_for_a_while, ON_CAN, 0, 0, RIDDEN_OUT(DRIVING)},
+    {"samples are corrupt", corrupt_samples, ON_CAN, 4, 0, STOPS(JP_FAULT_HARDWARE)},
+    {"samples are short", shorten_samples, ON_CAN, 4, 0, STOPS(JP_FAULT_HARDWARE)},
+    {"samples are repeated", repeat_samples, ON_CAN, 4, 0, STOPS(JP_FAULT_HARDWARE)},
+    {"the operator is silent", forget_operator, ON_BOTH, 0, 0, RIDDEN_OUT(STANDING)},
+    {"the controller is reset", reset_once, ON_BOTH, 0, 0, AFTER_RESET},
+};
 
-    reach(state);
-    const bool ends = is_moved() && row->ticks > 0U && row->ends[state].state == JP_FOUR_WHEEL_ROBOT_FAULT;
-
-    for (unsigned i = 0; i < LONG_ENOUGH; i++) {
-        if (state == JP_FOUR_WHEEL_ROBOT_DRIVING && !is_forgotten) {
-            (void)jp_four_wheel_robot_drive(&robot, &ahead);
-        }
-        tick(row->inject);
-        ticks += is_moved() ? 1U : 0U;
-    }
-    matrix_describe(expected, states[row->ends[state].state], row->ends[state].faults);
-    matrix_describe(seen, states[jp_four_wheel_robot_state_now(&robot)], faults());
-    matrix_judge(&cell, expected, seen, ends ? ticks + 1U : 0U);
-    if (ends) {
-        TEST_ASSERT_LESS_OR_EQUAL_UINT(row->ticks, ticks + 1U);
-    }
-}
-
-static void check_all(int chosen)
-{
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        for (int state = 0; state < STATES; state++) {
-            if ((rows[i].on >> chosen & 1U) != 0U) {
-                setUp();
-                transport = chosen;
-                check_cell(&rows[i], (enum jp_four_wheel_robot_state)state);
-            }
-        }
-    }
-}
+static const struct matrix_robot four_wheels = {.name = "four wheels",
+                                                .states = states,
+                                                .state_count = STATES,
+                                                .rows = rows,
+                                                .row_count = sizeof rows / sizeof rows[0],
+                                                .ticks = 300,
+                                                .begin = setUp,
+                                                .tick = tick_failing,
+                                                .state = state_now,
+                                                .faults = faults};
 
 static void test_with_frames_of_its_board(void)
 {
-    check_all(BOARD);
+    matrix_check(&four_wheels, BOARD);
 }
 
 static void test_with_frames_of_can(void)
 {
-    check_all(CAN);
+    matrix_check(&four_wheels, CAN);
 }

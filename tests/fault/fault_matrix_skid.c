@@ -2,65 +2,14 @@
  * it ends, which fault it reports, and after how many ticks. The table below is the promise; tests/FAULTS.md shows it.
  */
 #include "tests/support/ecu_skid_rig.h"
-#include "tests/support/fault_matrix.h"
-
-enum { BOARD, CAN, TRANSPORTS };
-enum { STATES = JP_SKID_ROBOT_FAULT + 1, LONG_ENOUGH = 1500, COMMAND_TICKS = 50 };
-
-#define ON_BOARD 1U
-#define ON_CAN   2U
-#define ON_BOTH  3U
-
-static const char *const transports[TRANSPORTS] = {"board", "CAN"};
-static const char *const states[STATES] = {"idle", "standing", "driving", "fault"};
-
-static int transport;
-static bool is_failing;
-static bool is_silent; /* no samples come, or the board does not answer */
-static enum jp_status written;
-static enum { SOUND, CORRUPT, SHORT, REPEATED } frames_are;
-static enum { OBEYED, SILENT, GARBLED } operator_is;
-static struct jp_sensors failing;
-static unsigned failing_ticks;
-
-/* ---- The board ---- */
-
-static enum jp_status read_board(void *context, struct jp_sensors *frame)
-{
-    (void)context;
-    *frame = is_failing ? failing : sensors;
-    return is_silent ? JP_ERR_HARDWARE : JP_OK;
-}
-
-static enum jp_status write_board(void *context, const struct jp_actuation *actuation)
-{
-    (void)context;
-    bus.actuation = *actuation;
-    return written;
-}
-
-static const struct jp_hal hal = {NULL, read_board, write_board};
+#include "tests/support/fault_matrix_ecu.h"
+#include "tests/support/fault_matrix_ends.h"
 
 /* ---- What goes wrong in a tick: of `failing`, which is a good frame ---- */
-
-static void leave_range(void)
-{
-    failing.pitch_rate = config.monitor.gyro_limit + JP_Q24(0.01);
-}
-
-static void jump(void)
-{
-    failing.yaw_rate += config.monitor.gyro_jump + JP_Q24(0.01);
-}
 
 static void freeze(void)
 {
     config.monitor.freeze_ticks = jp_skid_robot_zhang2018.monitor.freeze_ticks;
-}
-
-static void jump_encoder(void)
-{
-    failing.encoder_right += config.monitor.encoder_jump + 10U;
 }
 
 static void contradict_left(void)
@@ -71,85 +20,6 @@ static void contradict_left(void)
 static void contradict_right(void)
 {
     failing.current_right += 5 * (config.monitor.current_residual / 4);
-}
-
-static void leave_current_range(void)
-{
-    failing.current_left = config.monitor.current_limit + JP_Q16(0.1);
-}
-
-static void lose_voltage(void)
-{
-    failing.bus_voltage = config.monitor.voltage_min - JP_Q16(1);
-}
-
-static void fall_silent(void)
-{
-    is_silent = true;
-}
-
-static void refuse_writing(void)
-{
-    written = JP_ERR_HARDWARE;
-}
-
-static void refuse_frames(void)
-{
-    bus.answer = JP_ERR_BUSY;
-}
-
-static void fall_silent_for_a_while(void)
-{
-    is_silent = failing_ticks <= HOLD_TICKS;
-}
-
-static void corrupt_samples(void)
-{
-    frames_are = CORRUPT;
-}
-
-static void shorten_samples(void)
-{
-    frames_are = SHORT;
-}
-
-static void repeat_samples(void)
-{
-    frames_are = REPEATED;
-}
-
-static void conflict(void)
-{
-    const struct jp_can_frame frame = {.id = JP_CAN_MOTOR_COMMAND_FRAME_ID, .length = 8};
-
-    (void)jp_ecu_accept(&ecu, &frame);
-}
-
-static void forget_operator(void)
-{
-    operator_is = SILENT;
-}
-
-static void corrupt_commands(void)
-{
-    operator_is = GARBLED;
-}
-
-static void boot(void)
-{
-    bus.commands = 0;
-    bus.receiver = (struct jp_e2e_receiver){.synchronised = false};
-    init();
-    if (transport == BOARD) {
-        jp_ecu_use_board(&ecu, &hal);
-    }
-}
-
-static void reset_once(void)
-{
-    if (failing_ticks == 1U) {
-        boot();
-    }
 }
 
 /* Downhill, faster and faster; the sensors show no more current than they can. */
@@ -218,64 +88,20 @@ static void tilt(void)
 
 /* ---- A tick ---- */
 
-static void make_failing(void (*inject)(void))
+static void tick_failing(void (*inject)(void), int state)
 {
     move();
-    failing = sensors;
-    failing_ticks++;
-    inject();
-}
-
-static void send_failing(void)
-{
-    struct jp_can_frame frames[JP_SAMPLE_PARTS];
-
-    sample_counter = (uint8_t)(sample_counter - (frames_are == REPEATED ? 1U : 0U));
-    jp_message_from_sensors(frames, &sample_counter, &failing);
-    for (int part = 0; part < JP_SAMPLE_PARTS; part++) {
-        frames[part].data[3] ^= frames_are == CORRUPT ? 1U : 0U;
-        frames[part].length = frames_are == SHORT ? 7U : frames[part].length;
-        (void)jp_ecu_accept(&ecu, &frames[part]);
-    }
-}
-
-/* What keeps a state up. */
-static void operate(enum jp_skid_robot_state state)
-{
-    const bool drives = state == JP_SKID_ROBOT_DRIVING;
-    struct jp_can_frame frame;
-
-    if (operator_is == SILENT || (state != JP_SKID_ROBOT_STANDING && !drives) || failing_ticks % COMMAND_TICKS != 0U) {
-        return;
-    }
-    frame = operator_command(++command_counter & 15U, drives ? JP_MODE_DRIVE : JP_MODE_STAND, drives ? 7U : 0U);
-    frame.data[2] ^= operator_is == GARBLED ? 1U : 0U;
-    (void)jp_ecu_accept(&ecu, &frame);
-}
-
-static void tick_failing(void (*inject)(void))
-{
-    make_failing(inject);
-    if (transport == CAN && !is_silent) {
-        send_failing();
-    }
+    give_failing(inject);
     jp_ecu_tick(&ecu);
     jp_ecu_work(&ecu);
+    operate(state);
 }
 
 /* ---- States ---- */
 
-static void begin_on(int chosen)
+static void wake(void)
 {
-    transport = chosen;
-    is_failing = false;
-    is_silent = false;
-    written = JP_OK;
-    frames_are = SOUND;
-    operator_is = OBEYED;
-    failing_ticks = 0;
-    setUp();
-    boot();
+    run(2U * JP_SKID_WAKE_TICKS);
 }
 
 static void fail(void)
@@ -287,79 +113,26 @@ static void fail(void)
     run(1);
 }
 
-static void reach(enum jp_skid_robot_state state)
+static int state_now(void)
 {
-    static void (*const ways[STATES])(void) = {NULL, make_standing, make_driving, fail};
-
-    run(2U * JP_SKID_WAKE_TICKS);
-    if (ways[state] != NULL) {
-        begin_on(transport);
-        ways[state]();
-    }
-    TEST_ASSERT_EQUAL_INT(state, jp_skid_robot_state_now(&skid.robot));
+    return (int)jp_skid_robot_state_now(&skid.robot);
 }
 
+static const struct matrix_state states[STATES] = {
+    {"idle", wake}, {"standing", make_standing}, {"driving", make_driving}, {"fault", fail}};
+
 /* ---- The matrix ---- */
-
-struct end {
-    enum jp_skid_robot_state state;
-    uint16_t faults;
-};
-
-struct row {
-    const char *fault;
-    void (*inject)(void);
-    unsigned on;          /* which transports */
-    unsigned ticks;       /* until its motion ends, on the board */
-    unsigned more_on_can; /* frames that come late are waited for */
-    struct end ends[STATES];
-};
-
-/* Of a reset: what was driven ends in a stand; a fault is over. */
-#define AFTER_RESET                                                                                                    \
-    {                                                                                                                  \
-        {JP_SKID_ROBOT_IDLE, 0}, {JP_SKID_ROBOT_STANDING, 0}, {JP_SKID_ROBOT_STANDING, 0},                             \
-        {                                                                                                              \
-            JP_SKID_ROBOT_IDLE, 0                                                                                      \
-        }                                                                                                              \
-    }
-
-/* Of one that ends every motion; faults add up. */
-#define STOPS(bits)                                                                                                    \
-    {                                                                                                                  \
-        {JP_SKID_ROBOT_FAULT, bits}, {JP_SKID_ROBOT_FAULT, bits}, {JP_SKID_ROBOT_FAULT, bits},                         \
-        {                                                                                                              \
-            JP_SKID_ROBOT_FAULT, (bits) | JP_FAULT_BUS_VOLTAGE                                                         \
-        }                                                                                                              \
-    }
 
 /* Of one that shows in wheels that are controlled. */
 #define IN_WHEELS(bits)                                                                                                \
     {                                                                                                                  \
-        {JP_SKID_ROBOT_IDLE, 0}, {JP_SKID_ROBOT_FAULT, bits}, {JP_SKID_ROBOT_FAULT, bits}, FAULT_STAYS                 \
-    }
-
-/* Of one that shows in motion only. */
-#define IN_MOTION(bits)                                                                                                \
-    {                                                                                                                  \
-        {JP_SKID_ROBOT_IDLE, 0}, {JP_SKID_ROBOT_STANDING, 0}, {JP_SKID_ROBOT_FAULT, bits}, FAULT_STAYS                 \
-    }
-
-/* Of one that the robot rides out, driving in the state `driving`. */
-#define RIDDEN_OUT(driving)                                                                                            \
-    {                                                                                                                  \
-        {JP_SKID_ROBOT_IDLE, 0}, {JP_SKID_ROBOT_STANDING, 0}, {driving, 0}, FAULT_STAYS                                \
-    }
-
-#define FAULT_STAYS                                                                                                    \
-    {                                                                                                                  \
-        JP_SKID_ROBOT_FAULT, JP_FAULT_BUS_VOLTAGE                                                                      \
+        {IDLE, 0}, {FAULT, bits}, {FAULT, bits}, FAULT_STAYS                                                           \
     }
 
 /* A side takes its greatest current within a second, and is found 250 ticks later. Other times are those of the
  * monitor's counts (every second tick of the wheels' ones) after what is smoothed has come, or the wheels have reached
  * their limit. */
-static const struct row rows[] = {
+static const struct matrix_row rows[] = {
     {"IMU_RANGE", leave_range, ON_BOTH, 3, 0, STOPS(JP_FAULT_IMU_RANGE | JP_FAULT_IMU_JUMP)},
     {"IMU_JUMP", jump, ON_BOTH, 3, 0, STOPS(JP_FAULT_IMU_JUMP)},
     {"IMU_FROZEN", freeze, ON_BOTH, 25, 0, STOPS(JP_FAULT_IMU_FROZEN)},
@@ -377,82 +150,33 @@ static const struct row rows[] = {
     {"WHEEL_IN_AIR", lift_left, ON_BOTH, 350, 0, IN_MOTION(JP_FAULT_WHEEL_IN_AIR)},
     {"WHEELS_SPIN", spin, ON_BOTH, 153, 0, IN_WHEELS(JP_FAULT_WHEELS_SPIN)},
     {"SLOPE", tilt, ON_BOTH, 230, 0, IN_WHEELS(JP_FAULT_SLOPE)},
-    {"samples stay away for 40 ms", fall_silent_for_a_while, ON_CAN, 0, 0, RIDDEN_OUT(JP_SKID_ROBOT_DRIVING)},
+    {"samples stay away for 40 ms", fall_silent_for_a_while, ON_CAN, 0, 0, RIDDEN_OUT(DRIVING)},
     {"samples are corrupt", corrupt_samples, ON_CAN, 3, HOLD_TICKS, STOPS(JP_FAULT_HARDWARE)},
     {"samples are short", shorten_samples, ON_CAN, 3, HOLD_TICKS, STOPS(JP_FAULT_HARDWARE)},
     {"samples are repeated", repeat_samples, ON_CAN, 3, HOLD_TICKS, STOPS(JP_FAULT_HARDWARE)},
-    {"another controller drives the bridges", conflict, ON_CAN, 0, 0, RIDDEN_OUT(JP_SKID_ROBOT_DRIVING)},
-    {"the operator is silent", forget_operator, ON_BOTH, 0, 0, RIDDEN_OUT(JP_SKID_ROBOT_STANDING)},
-    {"commands are corrupt", corrupt_commands, ON_BOTH, 0, 0, RIDDEN_OUT(JP_SKID_ROBOT_STANDING)},
+    {"another controller drives the bridges", conflict, ON_CAN, 0, 0, RIDDEN_OUT(DRIVING)},
+    {"the operator is silent", forget_operator, ON_BOTH, 0, 0, RIDDEN_OUT(STANDING)},
+    {"commands are corrupt", corrupt_commands, ON_BOTH, 0, 0, RIDDEN_OUT(STANDING)},
     {"the controller is reset", reset_once, ON_BOTH, 0, 0, AFTER_RESET},
 };
 
-static bool is_moved(void)
-{
-    const enum jp_skid_robot_state state = jp_skid_robot_state_now(&skid.robot);
-
-    return state == JP_SKID_ROBOT_STANDING || state == JP_SKID_ROBOT_DRIVING;
-}
-
-static void check_cell(const struct row *row, enum jp_skid_robot_state state)
-{
-    const struct matrix_cell cell = {"skid steer", transports[transport], row->fault, states[state]};
-    char expected[MATRIX_TEXT];
-    char seen[MATRIX_TEXT];
-    unsigned ticks = 0;
-
-    reach(state);
-    const bool moved = is_moved();
-
-    is_failing = true;
-    for (unsigned i = 0; i < LONG_ENOUGH; i++) {
-        tick_failing(row->inject);
-        operate(state);
-        ticks += is_moved() ? 1U : 0U;
-    }
-    matrix_describe(expected, states[row->ends[state].state], row->ends[state].faults);
-    matrix_describe(seen, states[jp_skid_robot_state_now(&skid.robot)], faults());
-    const bool ends = moved && row->ticks > 0U && row->ends[state].state == JP_SKID_ROBOT_FAULT;
-
-    matrix_judge(&cell, expected, seen, ends ? ticks + 1U : 0U);
-    if (ends) {
-        TEST_ASSERT_LESS_OR_EQUAL_UINT(row->ticks + (transport == CAN ? row->more_on_can : 0U), ticks + 1U);
-    }
-}
-
-/* What no test can do, and why. */
-static void tell_impossible(void)
-{
-    const char *const other = transport == BOARD ? "no such frames: sensors and bridges are on the board"
-                                                 : "no such call: the bridges are on the bus";
-
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        if ((rows[i].on >> transport & 1U) == 0U) {
-            matrix_impossible("skid steer", transports[transport], rows[i].fault, other);
-        }
-    }
-}
-
-static void check_all(int chosen)
-{
-    transport = chosen;
-    tell_impossible();
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        for (int state = 0; state < STATES; state++) {
-            if ((rows[i].on >> chosen & 1U) != 0U) {
-                begin_on(chosen);
-                check_cell(&rows[i], (enum jp_skid_robot_state)state);
-            }
-        }
-    }
-}
+static const struct matrix_robot robot = {.name = "skid steer",
+                                          .states = states,
+                                          .state_count = STATES,
+                                          .rows = rows,
+                                          .row_count = sizeof rows / sizeof rows[0],
+                                          .ticks = 1500,
+                                          .begin = begin,
+                                          .tick = tick_failing,
+                                          .state = state_now,
+                                          .faults = faults};
 
 static void test_on_its_board(void)
 {
-    check_all(BOARD);
+    check_ecu(&robot, BOARD);
 }
 
 static void test_on_can(void)
 {
-    check_all(CAN);
+    check_ecu(&robot, CAN);
 }

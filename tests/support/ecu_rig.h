@@ -103,15 +103,21 @@ void tearDown(void)
 {
 }
 
-/** Of a robot whose wheels are held, with the currents that belong to its voltages. */
-static inline bool give_sample(void)
+/** With the currents that belong to the robot's voltages, of wheels that are held. */
+static inline void hold_wheels(void)
 {
     const struct jp_voltages *voltages = &jp_robot_last_tick(&balancer.robot)->voltages;
-    struct jp_can_frame frames[JP_SAMPLE_PARTS];
-    bool complete = false;
 
     sensors.current_left = jp_q16_divide(voltages->left, config.monitor.motor_resistance);
     sensors.current_right = jp_q16_divide(voltages->right, config.monitor.motor_resistance);
+}
+
+static inline bool give_sample(void)
+{
+    struct jp_can_frame frames[JP_SAMPLE_PARTS];
+    bool complete = false;
+
+    hold_wheels();
     jp_message_from_sensors(frames, &sample_counter, &sensors);
     for (int part = 0; part < JP_SAMPLE_PARTS; part++) {
         TEST_ASSERT_FALSE(complete);

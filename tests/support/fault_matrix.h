@@ -1,5 +1,5 @@
-/** The cells of the matrix of faults (tests/FAULTS.md): each printed as a line of JSON that
- * tools/measure/fault_matrix.py collects. */
+/** The matrix of faults (tests/FAULTS.md): every fault of a robot's table in each of its states, on a transport. A cell
+ * is printed as a line of JSON that tools/measure/fault_matrix.py collects. */
 #ifndef JOULEPATH_TESTS_SUPPORT_FAULT_MATRIX_H
 #define JOULEPATH_TESTS_SUPPORT_FAULT_MATRIX_H
 
@@ -10,7 +10,85 @@
 
 #include "unity.h"
 
-enum { MATRIX_TEXT = 160 };
+enum { BOARD, CAN, TRANSPORTS };
+enum { MATRIX_TEXT = 160, MATRIX_STATES = 5 };
+
+#define ON_BOARD 1U
+#define ON_CAN   2U
+#define ON_BOTH  3U
+
+/** The first states of each robot; in its last it has found a fault. */
+enum { IDLE, STANDING, DRIVING };
+
+struct matrix_state {
+    const char *name;
+    void (*reach)(void); /**< by a robot that begins */
+};
+
+struct matrix_end {
+    int state;
+    uint16_t faults;
+};
+
+/** A fault, and what is promised of it. */
+struct matrix_row {
+    const char *fault;
+    void (*inject)(void);                  /**< in each tick */
+    unsigned on;                           /**< which transports */
+    unsigned ticks;                        /**< until the motors are off or brake, on the board; 0: it stops nothing */
+    unsigned more_on_can;                  /**< frames that come late are waited for */
+    struct matrix_end ends[MATRIX_STATES]; /**< of each state */
+};
+
+struct matrix_robot {
+    const char *name;
+    const struct matrix_state *states; /**< in the order of its enum */
+    int state_count;
+    const struct matrix_row *rows;
+    size_t row_count;
+    unsigned ticks; /**< in which each fault has ended */
+    void (*begin)(void);
+    void (*tick)(void (*inject)(void), int state); /**< with what keeps `state` up */
+    int (*state)(void);
+    uint16_t (*faults)(void);
+};
+
+static const char *const matrix_transports[TRANSPORTS] = {"board", "CAN"};
+
+/* ---- What goes wrong with any robot ---- */
+
+static int transport;
+static unsigned failing_ticks;
+static bool is_silent; /* no samples come, or the board does not answer */
+static enum { SOUND, CORRUPT, SHORT, REPEATED } frames_are;
+static enum { OBEYED, SILENT, GARBLED } operator_is;
+
+static inline void fall_silent(void)
+{
+    is_silent = true;
+}
+
+static inline void corrupt_samples(void)
+{
+    frames_are = CORRUPT;
+}
+
+static inline void shorten_samples(void)
+{
+    frames_are = SHORT;
+}
+
+static inline void repeat_samples(void)
+{
+    frames_are = REPEATED;
+}
+
+static inline void forget_operator(void)
+{
+    operator_is = SILENT;
+}
+
+/* ---- Cells ---- */
 
 /** Where a cell is. */
 struct matrix_cell {
@@ -55,10 +133,65 @@ static inline void matrix_judge(const struct matrix_cell *cell, const char *expe
 }
 
 /** In no state of that transport. */
-static inline void matrix_impossible(const char *robot, const char *transport, const char *fault, const char *reason)
+static inline void matrix_impossible(const struct matrix_robot *robot, int chosen, const char *fault,
+                                     const char *reason)
 {
-    (void)printf("cell {\"robot\": \"%s\", \"transport\": \"%s\", \"fault\": \"%s\", \"impossible\": \"%s\"}\n", robot,
-                 transport, fault, reason);
+    (void)printf("cell {\"robot\": \"%s\", \"transport\": \"%s\", \"fault\": \"%s\", \"impossible\": \"%s\"}\n",
+                 robot->name, matrix_transports[chosen], fault, reason);
+}
+
+static inline void matrix_begin(const struct matrix_robot *robot)
+{
+    failing_ticks = 0;
+    is_silent = false;
+    frames_are = SOUND;
+    operator_is = OBEYED;
+    robot->begin();
+}
+
+static inline bool matrix_is_controlled(int state)
+{
+    return state == STANDING || state == DRIVING;
+}
+
+static inline void matrix_check_cell(const struct matrix_robot *robot, const struct matrix_row *row, int state)
+{
+    const struct matrix_cell cell = {robot->name, matrix_transports[transport], row->fault, robot->states[state].name};
+    const struct matrix_end *end = &row->ends[state];
+    const bool stops = matrix_is_controlled(state) && row->ticks > 0U && end->state == robot->state_count - 1;
+    char expected[MATRIX_TEXT];
+    char seen[MATRIX_TEXT];
+    unsigned ticks = 1;
+
+    robot->states[state].reach();
+    TEST_ASSERT_EQUAL_INT(state, robot->state());
+    for (unsigned i = 0; i < robot->ticks; i++) {
+        robot->tick(row->inject, state);
+        ticks += matrix_is_controlled(robot->state()) ? 1U : 0U;
+    }
+    matrix_describe(expected, robot->states[end->state].name, end->faults);
+    matrix_describe(seen, robot->states[robot->state()].name, robot->faults());
+    matrix_judge(&cell, expected, seen, stops ? ticks : 0U);
+    if (stops) {
+        TEST_ASSERT_LESS_OR_EQUAL_UINT(row->ticks + (transport == CAN ? row->more_on_can : 0U), ticks);
+    }
+}
+
+static inline bool matrix_is_on(const struct matrix_row *row, int chosen)
+{
+    return (row->on >> chosen & 1U) != 0U;
+}
+
+/** Each fault of that transport in each state. */
+static inline void matrix_check(const struct matrix_robot *robot, int chosen)
+{
+    transport = chosen;
+    for (size_t i = 0; i < robot->row_count; i++) {
+        for (int state = 0; state < robot->state_count && matrix_is_on(&robot->rows[i], chosen); state++) {
+            matrix_begin(robot);
+            matrix_check_cell(robot, &robot->rows[i], state);
+        }
+    }
 }
 
 #endif
