@@ -56,7 +56,8 @@ static inline struct jp_navigation_home jp_navigation_home_of(struct jp_navigati
                                        .legs = memory->legs,
                                        .legs_max = JP_NAVIGATION_LEGS,
                                        .battery = battery,
-                                       .confidence = confidence};
+                                       .confidence = confidence,
+                                       .turns_back = false};
 }
 
 /** A configuration with this memory, and without a home. */
@@ -74,7 +75,8 @@ static inline struct jp_navigation_config jp_navigation_config_of(const struct j
                                          .way = ground->way,
                                          .way_size = sizeof ground->way,
                                          .legs = ground->legs,
-                                         .legs_max = JP_NAVIGATION_LEGS};
+                                         .legs_max = JP_NAVIGATION_LEGS,
+                                         .home = NULL};
 }
 
 #endif

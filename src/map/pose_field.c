@@ -350,8 +350,9 @@ static uint32_t relax_turns(const struct jp_pose_field *field, struct cell_poses
 static uint32_t settle_turns(struct jp_pose_field *field, struct cell_poses *cell, uint32_t headings)
 {
     uint32_t settled = headings;
+    uint32_t open = headings;
 
-    for (uint32_t open = headings; open != 0U;) {
+    while (open != 0U) {
         const unsigned heading = JP_TRAILING_ZEROS(open);
 
         open &= open - 1U;
