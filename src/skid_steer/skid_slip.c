@@ -145,7 +145,7 @@ static void learn_grip(struct jp_skid_slip *slip, const struct jp_skid_odometry_
     const jp_q24 force = step->turn < 0 ? jp_sub(left, right) : jp_sub(right, left);
     const jp_q24 expected = jp_share(slip->turn_force, slip->yielding, SHARE_BITS);
     const int32_t weight = jp_skid_lesser(jp_skid_size(step->turn), JP_SKID_ONE / GRIP_MEMORY) * GRIP_MEMORY;
-    const jp_q24 learned = slip->turn_force + jp_share(jp_sub(force, expected), weight, 30);
+    const jp_q24 learned = jp_add(slip->turn_force, jp_share(jp_sub(force, expected), weight, 30));
 
     slip->turn_force = jp_clamp32(learned, config->turn_force / GRIP_MAX, config->turn_force * 2);
     slip->looseness = config->turn_force / (slip->turn_force / GRIP_ONE);

@@ -43,12 +43,12 @@ static double metres_per_cell(const struct navigate_robot *robot)
     return round(robot->lattice->resolution / 65.536) / 1000;
 }
 
-/* What it sees is on the map where its odometry puts it: off by half a cell, a passage that fits it to the cell is
- * closed where what it sees now meets what it saw before. */
+/* What it sees is on the map where its odometry puts it: off by a quarter of a cell and more, what it saw before stays
+ * beside what it sees now, and closes a passage that fits it to the cell. */
 static bool is_closed_by_drift(const struct navigate_robot *robot, const struct navigate_trial *trial)
 {
     return trial->result.state == JP_NAVIGATOR_UNREACHABLE && !trial->result.is_touched &&
-           trial->result.drift_m > metres_per_cell(robot) / 2;
+           trial->result.drift_m > metres_per_cell(robot) / 4;
 }
 
 /* Returns how often it was planned anew. */

@@ -80,6 +80,8 @@ static const struct message {
     {0x199, 8, FROM_ECU, 0},
     {0x19A, 8, FROM_ECU, 0},
     {0x19B, 8, FROM_ECU, 0},
+    {0x19C, 8, FROM_ECU, 0},
+    {0x19D, 8, FROM_ECU, 0},
 };
 #define MESSAGES (sizeof messages / sizeof messages[0])
 

@@ -3,6 +3,7 @@
 
 # image_of ROBOT: what main.c and firmware_KIND.c of an image are compiled with.
 image_of = -DFIRMWARE_ROBOT_NAME=$1 -DFIRMWARE_SKID_NAME=$1 -DFIRMWARE_PATROL_NAME=$1 $(if $(filter learning_$1,$(PILOT_TABLES)),-DFIRMWARE_LEARNS) \
+           $(if $(wildcard src/tables/pack_$1.c),-DFIRMWARE_KNOWS_CELLS) \
            $(if $(wildcard src/tables/navigation_$1.c),-DFIRMWARE_NAVIGATES -DFIRMWARE_LATTICE_NAME=$(or $(patsubst src/tables/lattice_%.c,%,$(wildcard src/tables/lattice_$1_navigation.c)),$1))
 
 # image_rules BOARD VARIANT ROBOT FOLDER: its objects, and the file for the board.

@@ -225,7 +225,7 @@ GATE_VARIANTS  := $(UNIT_CORES) $(GROWTH_VARIANTS)
 GATE_LIBRARIES := $(foreach v,$(sort $(GATE_VARIANTS)),$(BUILD)/$v/libjoulepath.a $(call float_library,$v) $(BUILD)/$v/libcan.a)
 # Of the programs on the whole application the one that learns links the most.
 GATE_IMAGES    := $(UNIT_CORES:%=$(BUILD)/%/test_ecu_learning)
-export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=courier24 -DFIRMWARE_LATTICE_NAME=courier24 -DFIRMWARE_SKID_NAME=burger -DFIRMWARE_PATROL_NAME=patrol -DFIRMWARE_LEARNS -DFIRMWARE_NAVIGATES
+export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/target -isystem $(BUILD)/lcm $(HOST) -DTARGET_CORE="any" -DFIRMWARE_ROBOT_NAME=courier24 -DFIRMWARE_LATTICE_NAME=courier24 -DFIRMWARE_SKID_NAME=burger -DFIRMWARE_PATROL_NAME=patrol -DFIRMWARE_LEARNS -DFIRMWARE_KNOWS_CELLS -DFIRMWARE_NAVIGATES
 
 $(LOGS)/gates/symbols.log: $(GATE_LIBRARIES)
 	$(call SAY,RUN gate symbols)
