@@ -9,7 +9,7 @@ log=$1 limit=$2
 shift 2
 [ -d "${log%/*}" ] || mkdir -p "${log%/*}"
 start=${EPOCHREALTIME//[!0-9]/}
-(ulimit -S -t "$limit" && exec timeout --kill-after=5 "${WAIT_LIMIT:-3600}" "$@") >"$log.part" 2>&1 </dev/null
+(ulimit -S -t "$limit" && exec timeout --kill-after=5 "${WAIT_LIMIT:-1200}" "$@") >"$log.part" 2>&1 </dev/null
 status=$?
 milliseconds=$(((${EPOCHREALTIME//[!0-9]/} - start) / 1000))
 printf '\nrun: exit %d, %d.%03d s\n' "$status" $((milliseconds / 1000)) $((milliseconds % 1000)) >>"$log.part"
