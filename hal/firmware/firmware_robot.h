@@ -1,5 +1,5 @@
-/** The robot that the image is for: `make firmware ROBOT=name`. Of its kind is firmware_balancer.c or
- *  firmware_skid.c. */
+/** The robot that the image is for: `make firmware ROBOT=name`. Of its kind is firmware_balancer.c,
+ *  firmware_skid.c or firmware_patrol.c. */
 #ifndef JOULEPATH_HAL_FIRMWARE_FIRMWARE_ROBOT_H
 #define JOULEPATH_HAL_FIRMWARE_FIRMWARE_ROBOT_H
 
@@ -34,8 +34,8 @@ struct jp_firmware_start {
     const struct jp_navigation_config *navigation_config;
 };
 
-/** Prepares robot and application. Tables to learn or to navigate with that are refused do not keep the robot from
- *  driving. As jp_robot_init(). */
+/** Prepares robot and application. Tables of learning, cells or navigation that are refused do not keep the robot
+ *  from driving. As jp_robot_init(). */
 enum jp_status jp_firmware_boot(struct jp_ecu *ecu, const struct jp_firmware_start *start, const char **field);
 
 /** Of its control interrupt, Hz. */

@@ -8,7 +8,11 @@
 #define FIRMWARE_SKID_ENERGY ROBOT_SYMBOL(jp_skid_energy_, FIRMWARE_SKID_NAME)
 #define FIRMWARE_LESSONS     ROBOT_SYMBOL(jp_skid_learning_, FIRMWARE_SKID_NAME)
 #define FIRMWARE_PATH_LIMITS ROBOT_SYMBOL(jp_path_limits_, FIRMWARE_SKID_NAME)
-#define FIRMWARE_CELLS       ROBOT_SYMBOL(jp_battery_config_, FIRMWARE_SKID_NAME)
+
+/** It knows its cells if there is a table of its pack: the Makefile says so. */
+#ifdef FIRMWARE_KNOWS_CELLS
+#define FIRMWARE_CELLS ROBOT_SYMBOL(jp_battery_config_, FIRMWARE_SKID_NAME)
+#endif
 
 /** How far inside a corner it passes on the way to a goal: the navigator's margin. */
 #ifdef FIRMWARE_NAVIGATES
@@ -19,22 +23,18 @@
 
 static struct jp_ecu_skid skid;
 
-/** Where there is a table of its pack, its plans ask for what its cells give. */
-static enum jp_status know_cells(struct jp_ecu *ecu, const char **field)
+/** Its plans ask for what its cells give. */
+static void know_cells(struct jp_ecu *ecu)
 {
 #ifdef FIRMWARE_KNOWS_CELLS
     static struct jp_ecu_battery battery;
-    const enum jp_status status =
-        jp_ecu_battery_init(&battery, &FIRMWARE_CELLS, FIRMWARE_SKID_ENERGY.unit_exponent, field);
+    const char *field;
 
-    if (status == JP_OK) {
+    if (jp_ecu_battery_init(&battery, &FIRMWARE_CELLS, FIRMWARE_SKID_ENERGY.unit_exponent, &field) == JP_OK) {
         jp_ecu_use_battery(ecu, &battery);
     }
-    return status;
 #else
     (void)ecu;
-    (void)field;
-    return JP_OK;
 #endif
 }
 
@@ -73,9 +73,7 @@ enum jp_status jp_firmware_boot(struct jp_ecu *ecu, const struct jp_firmware_sta
         status = jp_ecu_init(ecu, &robot, start->port, start->retained);
     }
     if (status == JP_OK) {
-        status = know_cells(ecu, field);
-    }
-    if (status == JP_OK) {
+        know_cells(ecu);
         start_navigating(ecu, start);
     }
     return status;
