@@ -324,17 +324,90 @@ static void test_the_record_of_another_robot_is_not_taken_up(void)
     TEST_ASSERT_EQUAL_UINT8(JP_ECU_IDLE, drive.view.status.state);
 }
 
-static void test_another_controller_is_noticed(void)
+static void hear_another_controller(void)
 {
     const struct jp_four_wheel_actuation off = {.enabled = 0};
     struct jp_can_frame frames[JP_WHEELS];
     uint8_t counter = 7;
 
-    pass(20);
     jp_wheel_targets_pack(frames, &counter, &off);
     TEST_ASSERT_EQUAL_INT(JP_OK, drive.link.port.send(drive.link.port.context, &frames[0]));
+}
+
+static void test_another_controller_is_noticed(void)
+{
+    pass_until_it_rolls();
+    hear_another_controller();
     pass(15);
     TEST_ASSERT_EQUAL_UINT8(1, drive.view.errors.conflicts);
+    TEST_ASSERT_TRUE(speed() >= 0.5);
+    expect_arrival();
+}
+
+/* Nobody but the test commands the robot. */
+
+static void wake(void)
+{
+    drive.conditions.operator_silent = true;
+    pass(20);
+    TEST_ASSERT_EQUAL_UINT8(JP_ECU_IDLE, drive.view.status.state);
+}
+
+static void tell_to_stand(void)
+{
+    static uint8_t counter;
+
+    for (int i = 0; i < 4; i++) {
+        const struct jp_can_frame frame = operator_command(++counter & 15U, JP_MODE_STAND, 0);
+
+        TEST_ASSERT_EQUAL_INT(JP_OK, drive.link.port.send(drive.link.port.context, &frame));
+        pass(5);
+    }
+}
+
+static void make_standing(void)
+{
+    wake();
+    tell_to_stand();
+    TEST_ASSERT_EQUAL_UINT8(JP_ECU_STANDING, drive.view.status.state);
+}
+
+static void expect_conflict(enum jp_ecu_state state, enum jp_refusal refusal, uint16_t faults)
+{
+    hear_another_controller();
+    tell_to_stand();
+    TEST_ASSERT_EQUAL_UINT8(1, drive.view.errors.conflicts);
+    TEST_ASSERT_EQUAL_UINT8(state, drive.view.status.state);
+    TEST_ASSERT_EQUAL_UINT8(refusal, drive.view.losses.stand_refusal);
+    TEST_ASSERT_EQUAL_HEX16(faults, drive.view.errors.faults);
+    TEST_ASSERT_TRUE(speed() < 0.01);
+}
+
+static void test_beside_another_controller_it_leaves_it_the_wheels_and_does_not_stand_up(void)
+{
+    wake();
+    TEST_ASSERT_EQUAL_UINT32(0, drive.plant.silence);
+    expect_conflict(JP_ECU_IDLE, JP_REFUSAL_CONFLICT, 0);
+    TEST_ASSERT_EQUAL_UINT32(20, drive.plant.silence);
+    pass(50);
+    TEST_ASSERT_EQUAL_UINT32(0, drive.plant.silence);
+    tell_to_stand();
+    TEST_ASSERT_EQUAL_UINT8(JP_ECU_STANDING, drive.view.status.state);
+}
+
+static void test_beside_another_controller_it_goes_on_standing(void)
+{
+    make_standing();
+    expect_conflict(JP_ECU_STANDING, JP_REFUSAL_NONE, 0);
+    TEST_ASSERT_EQUAL_UINT32(0, drive.plant.silence);
+}
+
+static void test_beside_another_controller_a_fault_stays(void)
+{
+    make_standing();
+    steal(JP_CAN_SUPPLY_SENSORS_FRAME_ID, 30, 0);
+    pass(40);
+    expect_conflict(JP_ECU_FAULT, JP_REFUSAL_FAULT, JP_FAULT_HARDWARE);
 }
 
 static void test_corrupt_samples_are_counted(void)

@@ -9,9 +9,6 @@ from tools.common import build_directory
 from tools.measure import fault_matrix
 
 PROGRAMS = sorted(build_directory() / "host-gcc" / path.stem for path in (ROOT / "tests/fault").glob("fault_matrix_*.c"))
-# Another controller beside a robot with four wheels that does not drive.
-KNOWN_EMPTY = [f"empty: four wheels, CAN, another controller drives the bridges, {state}"
-               for state in ("idle", "standing", "fault")]
 
 
 @pytest.fixture(name="matrix")
@@ -91,4 +88,4 @@ def test_the_page_is_what_the_tests_say():
     assert len(PROGRAMS) >= 2
     result = run_tool("measure.fault_matrix", "--check", *PROGRAMS)
     assert result.returncode == 0, result.stderr
-    assert [line.rpartition("error: ")[2] for line in result.stderr.splitlines()] == KNOWN_EMPTY
+    assert result.stderr == ""
