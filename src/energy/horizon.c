@@ -210,6 +210,7 @@ static JP_INLINE_FOR_SPEED void split(const struct jp_horizon *horizon, const st
     const jp_q24 speed = segment->motion.speed;
 
     pieces->piece[0] = *segment;
+    pieces->piece[1] = *segment;
     pieces->count = 1;
     if (!horizon || start->reversal_rest == 0 || speed == 0 || (speed > 0) == start->is_forward) {
         return;
@@ -217,7 +218,6 @@ static JP_INLINE_FOR_SPEED void split(const struct jp_horizon *horizon, const st
     pieces->piece[0].motion.speed = 0;
     if (segment->duration > start->reversal_rest) {
         pieces->piece[0].duration = start->reversal_rest;
-        pieces->piece[1] = *segment;
         pieces->piece[1].turn = 0;
         pieces->piece[1].duration -= start->reversal_rest;
         pieces->count = 2;

@@ -48,7 +48,7 @@ void jp_arc_at(int32_t x, struct jp_arc *arc)
 /* x² ≈ 6/π² u (1 + 0.3 u + 0.28 u²) in Q30 with u = 1 − sinc. */
 static int32_t square_of_sinc(int32_t sinc)
 {
-    int32_t u = (JP_SINC_ONE - sinc) << 1; /* Q30 */
+    int32_t u = (JP_SINC_ONE - sinc) * 2; /* Q30 */
 
     u = u < 1 ? 1 : u;
 

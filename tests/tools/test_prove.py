@@ -15,7 +15,7 @@ ROWS = ("src/x\tx.c\t12\tstep_3\tsigned_overflow\tUnknown\ta + b\n"
         "src/x\tx.c\t15\tstep_3\tprecondition of zeros_of_7\tUnknown\tword\n"
         "src/x\tx.c\t20\tnever_called\tshift\tUnknown\t0 ≤ m\n"
         "FRAMAC_SHARE/libc\tstring.h\t9\tstep_3\tprecondition\tUnknown\tvalid\n"
-        "tests/prove/c11/src/base\tcompiler.h\t9\tstep_3\tprecondition\tUnknown\tword\n")
+        "tests/proof/c11/src/base\tcompiler.h\t9\tstep_3\tprecondition\tUnknown\tword\n")
 LOG = """[eva] computing for function step_3 <- main.
 [eva] a.c:3: Frama_C_show_each_end:
 [eva:summary] ====== ANALYSIS SUMMARY ======

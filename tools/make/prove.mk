@@ -1,4 +1,4 @@
-# Proof: Frama-C's Eva on the drivers of tests/prove.
+# Proof: Frama-C's Eva on the drivers of tests/proof.
 
 PROVE := $(BUILD)/prove
 ROOM  ?=

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Prove the absence of undefined behaviour by abstract interpretation: Frama-C's Eva on the drivers of tests/prove.
+"""Prove the absence of undefined behaviour by abstract interpretation: Frama-C's Eva on the drivers of tests/proof.
 
 A driver calls a module with anything that its header allows. Compiled in is what it stands on, which the linker tells
-from the libraries that are given. An alarm is an operation that Eva cannot prove to be defined. tests/prove/alarms.yaml
+from the libraries that are given. An alarm is an operation that Eva cannot prove to be defined. tests/proof/alarms.yaml
 lists those that were reviewed: with the reason why they cannot happen, or as open. Prints a table, and each alarm beyond
 the list.
 Results are kept in FOLDER by the content of all that was compiled in. Exit status 1: an alarm that is not listed, one
@@ -26,10 +26,11 @@ import yaml
 from tools.common import (EXIT_MISSED, ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, whole_number,
                           write_whole)
 
-DRIVERS = ROOT / "tests/prove"
-ALARMS = DRIVERS / "alarms.yaml"
+ROOM = ROOT / "tests/proof"
+DRIVERS = ROOM / "drivers"
+ALARMS = ROOM / "alarms.yaml"
 # Of the sources that the analyser reads in the place of the core's.
-INSTEAD = "tests/prove/c11"
+INSTEAD = "tests/proof/c11"
 # Before the directory in which the analyser compiles.
 INCLUDES = (f"-iquote{INSTEAD}", "-Iinclude", "-I.")
 # 32 bits as the cores have; each result of a function is followed by itself, a check's verdict with what it saw.
@@ -231,7 +232,7 @@ def arguments():
     parser.add_argument("--jobs", type=whole_number(1, 256), default=1)
     parser.add_argument("--limit", metavar="S", type=whole_number(1, 100000), default=600, help="for a driver")
     parser.add_argument("--list", metavar="FILE", type=Path, default=ALARMS,
-                        help="alarms that were reviewed (default: tests/prove/alarms.yaml)")
+                        help="alarms that were reviewed (default: tests/proof/alarms.yaml)")
     parser.add_argument("--alarms", action="store_true", help="print all, also those that are listed")
     return parser.parse_args()
 

@@ -1,0 +1,101 @@
+// eva: -eva-slevel-function main:100,passes:200,jp_robot_init:100,check:200
+/** Any configuration that passes, any frames and statuses, any segments, at any time, for ever; a reset at any time.
+ *  Trajectories have a driver of their own. */
+#include <joulepath/robot.h>
+
+#include "tests/proof/any.h"
+
+static void look(const struct jp_robot *robot)
+{
+    struct jp_telemetry telemetry;
+    struct jp_motor_sample sample;
+    struct jp_point position;
+    jp_angle heading;
+
+    if (jp_robot_telemetry(robot, &telemetry)) {
+        jp_robot_predict_end(robot, &telemetry, &position, &heading);
+    }
+    (void)jp_robot_motors(robot, &sample);
+    (void)jp_robot_state_now(robot);
+    (void)jp_robot_has_next(robot);
+    (void)jp_robot_position(robot);
+}
+
+static void command(struct jp_robot *robot)
+{
+    struct jp_segment_command segment;
+
+    ANY(segment);
+    switch (any_between(0, 3)) {
+    case 0:
+        (void)jp_robot_enable(robot);
+        break;
+    case 1:
+        jp_robot_disable(robot);
+        break;
+    case 2:
+        jp_robot_stop(robot);
+        break;
+    default:
+        (void)jp_robot_drive(robot, &segment);
+        break;
+    }
+}
+
+static void tick(struct jp_robot *robot)
+{
+    struct jp_sensors sensors;
+    struct jp_actuation actuation;
+
+    ANY(sensors);
+    jp_robot_tick(robot, any_bool() ? JP_OK : JP_ERR_HARDWARE, &sensors, &actuation);
+}
+
+static void reset(struct jp_robot *robot, const struct jp_robot_config *config)
+{
+    struct jp_snapshot snapshot;
+    const char *field;
+
+    jp_robot_snapshot(robot, &snapshot);
+    while (jp_robot_init(robot, config, &field) != JP_OK) {
+        /* It passed before. */
+    }
+    jp_robot_know_gyro_bias(robot, any_long(-JP_Q24(0.05) * (INT64_C(1) << 32), JP_Q24(0.05) * (INT64_C(1) << 32)));
+    jp_robot_resume(robot, &snapshot);
+}
+
+/** As jp_robot_init() does, one by one: so the analyser keeps the ranges. */
+static bool passes(const struct jp_robot_config *config)
+{
+    const char *field;
+
+    return jp_estimator_check(&config->estimator, &field) == JP_OK &&
+           jp_reference_check(&config->reference, &field) == JP_OK && jp_lqr_check(&config->lqr, &field) == JP_OK &&
+           jp_monitor_check(&config->monitor, &field) == JP_OK && jp_meter_check(&config->meter, &field) == JP_OK &&
+           jp_segment_limits_check(&config->limits, NULL, &field) == JP_OK &&
+           jp_trajectory_check(&config->trajectory, &field) == JP_OK;
+}
+
+int main(void)
+{
+    static struct jp_robot_config config;
+    static struct jp_robot robot;
+    const char *field;
+
+    ANY(config);
+    config.name = "any";
+    if (!passes(&config) || jp_robot_init(&robot, &config, &field) != JP_OK) {
+        return 0;
+    }
+    ANY_TIMES
+    {
+        command(&robot);
+        tick(&robot);
+        look(&robot);
+        if (any_bool()) {
+            reset(&robot, &config);
+        }
+    }
+    ARRIVED();
+    return 0;
+}

@@ -1,0 +1,100 @@
+// eva: -eva-precision 0 -eva-auto-loop-unroll 64
+// eva: -eva-slevel-function main:100,passes:200,jp_skid_robot_init:100,check:200,check_own:100
+// eva: -eva-slevel-function jp_config_check:200,is_within:50,require_within:50,jp_skid_odometry_check:50
+// eva: -eva-slevel-function jp_skid_control_check:50,jp_monitor_check:50,jp_skid_monitor_check:50,jp_meter_check:50
+/** Any configuration that passes, any frames and statuses, any commands, at any time, for ever; a reset at any time,
+ * with any bytes retained. */
+#include <joulepath/skid_robot.h>
+
+#include "tests/proof/any.h"
+
+static void look(const struct jp_skid_robot *robot)
+{
+    struct jp_skid_telemetry telemetry;
+
+    (void)jp_skid_robot_telemetry(robot, &telemetry);
+    (void)jp_skid_robot_state_now(robot);
+    (void)jp_skid_robot_has_next(robot);
+    (void)jp_skid_robot_pitch(robot);
+    (void)jp_skid_robot_stopping_distance(jp_skid_robot_configuration(robot), any_between(-JP_Q24(8), JP_Q24(8)));
+}
+
+static void command(struct jp_skid_robot *robot)
+{
+    struct jp_skid_command order;
+
+    ANY(order);
+    switch (any_between(0, 3)) {
+    case 0:
+        (void)jp_skid_robot_enable(robot);
+        break;
+    case 1:
+        jp_skid_robot_disable(robot);
+        break;
+    case 2:
+        jp_skid_robot_stop(robot);
+        break;
+    default:
+        (void)jp_skid_robot_drive(robot, &order);
+        break;
+    }
+}
+
+static void tick(struct jp_skid_robot *robot)
+{
+    struct jp_sensors sensors;
+    struct jp_actuation actuation;
+
+    ANY(sensors);
+    jp_skid_robot_tick(robot, any_bool() ? JP_OK : JP_ERR_HARDWARE, &sensors, &actuation);
+}
+
+static void reset(struct jp_skid_robot *robot, const struct jp_skid_robot_config *config)
+{
+    struct jp_skid_snapshot snapshot;
+    const char *field;
+
+    jp_skid_robot_snapshot(robot, &snapshot);
+    if (any_bool()) {
+        ANY(snapshot);
+    }
+    while (jp_skid_robot_init(robot, config, &field) != JP_OK) {
+        /* It passed before. */
+    }
+    (void)jp_skid_robot_resume(robot, &snapshot);
+}
+
+/** As jp_skid_robot_init() does, one by one: so the analyser keeps the ranges. */
+static bool passes(const struct jp_skid_robot_config *config)
+{
+    const char *field;
+
+    return jp_skid_odometry_check(&config->odometry, &field) == JP_OK &&
+           jp_skid_control_check(&config->control, &field) == JP_OK &&
+           jp_monitor_check(&config->monitor, &field) == JP_OK &&
+           jp_skid_monitor_check(&config->wheels, &field) == JP_OK && jp_meter_check(&config->meter, &field) == JP_OK;
+}
+
+int main(void)
+{
+    static struct jp_skid_robot_config config;
+    static struct jp_skid_robot robot;
+    const char *field;
+
+    ANY(config);
+    config.name = "any";
+    if (!passes(&config) || jp_skid_robot_init(&robot, &config, &field) != JP_OK) {
+        return 0;
+    }
+    ANY_TIMES
+    {
+        command(&robot);
+        tick(&robot);
+        look(&robot);
+        if (any_bool()) {
+            reset(&robot, &config);
+        }
+    }
+    ARRIVED();
+    return 0;
+}
