@@ -275,7 +275,7 @@ struct transition {
 static struct transition transition_of(const struct jp_wheels *wheels, const struct jp_wheels *goal, size_t wheel)
 {
     const jp_q24 from = jp_clamp32(wheels->speed[wheel], -SPEED_LIMIT, SPEED_LIMIT);
-    const jp_q24 to = goal->speed[wheel];
+    const jp_q24 to = jp_clamp32(goal->speed[wheel], -SPEED_LIMIT, SPEED_LIMIT);
     const int32_t error = jp_sub(goal->angle[wheel], wheels->angle[wheel]);
     const bool is_held = jp_is_between(from, 1 - JP_WHEEL_HOLD_SPEED, JP_WHEEL_HOLD_SPEED - 1);
 

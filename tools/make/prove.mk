@@ -11,3 +11,21 @@ prove: ## prove that no module has undefined behaviour, of all rooms or ROOM=nam
 	@tools/setup.sh prove
 	@$(MAKE) $(PARALLEL) $(PROVED_LIBRARIES)
 	$Q$(PYTHON) -m tools.measure.prove --folder $(PROVE) --room '$(ROOM)' --jobs $(JOBS) $(PROVED_LIBRARIES)
+
+# What takes one number, for every one: minutes.
+EXHAUSTIVE := $(PROVE)/arcs
+
+.PHONY: exhaust
+exhaust: $(EXHAUSTIVE:=.done) ## run for every number what takes one, where the proof argues with it (tests/proof/exhaustive)
+
+$(EXHAUSTIVE): $(PROVE)/%: tests/proof/exhaustive/%.c $(addprefix src/,trajectory/segment_arc.c trajectory/segment_math.c \
+                           base/fixed.c trajectory/segment_arc.h trajectory/segment_math.h base/compiler.h base/integer.h) \
+                           include/joulepath/fixed.h
+	$(call SAY,CC $@)
+	$Qmkdir -p $(@D)
+	$Q$(CC) -std=c11 -O2 -Wall -Wextra -fsanitize=undefined -fno-sanitize-recover=all -I. -Iinclude $(filter %.c,$^) -o $@
+
+%.done: %
+	$(call SAY,RUN $<)
+	$Q$<
+	$Qtouch $@

@@ -616,6 +616,18 @@ static void test_any_wheels_come_to_order(void)
     }
 }
 
+static void test_garbage_for_wheels_and_a_refused_twist_brake(void)
+{
+    const struct jp_twist refused = {.x = JP_Q24(16) + 1};
+    struct jp_wheels wheels = {{0}, {INT32_MIN, INT32_MIN, INT32_MAX, INT32_MAX}};
+    enum jp_steering steering;
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_tick(&robot, &refused, &wheels, &steering));
+    TEST_ASSERT_EQUAL_INT(JP_STEERING_STANDSTILL, steering);
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN + robot.speed_step, wheels.speed[0]);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX - robot.speed_step, wheels.speed[3]);
+}
+
 static uint32_t hashed(uint32_t hash, int32_t value)
 {
     return (hash ^ (uint32_t)value) * 16777619U; /* FNV-1a by words */

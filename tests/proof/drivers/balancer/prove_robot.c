@@ -3,7 +3,9 @@
  *  Trajectories have a driver of their own. */
 #include <joulepath/robot.h>
 
-#include "tests/proof/any.h"
+#define ROBOT jp_robot
+#define ORDER jp_segment_command
+#include "tests/proof/any_robot.h"
 
 static void look(const struct jp_robot *robot)
 {
@@ -21,34 +23,13 @@ static void look(const struct jp_robot *robot)
     (void)jp_robot_position(robot);
 }
 
-static void command(struct jp_robot *robot)
-{
-    struct jp_segment_command segment;
-
-    ANY(segment);
-    switch (any_between(0, 3)) {
-    case 0:
-        (void)jp_robot_enable(robot);
-        break;
-    case 1:
-        jp_robot_disable(robot);
-        break;
-    case 2:
-        jp_robot_stop(robot);
-        break;
-    default:
-        (void)jp_robot_drive(robot, &segment);
-        break;
-    }
-}
-
 static void tick(struct jp_robot *robot)
 {
     struct jp_sensors sensors;
     struct jp_actuation actuation;
 
     ANY(sensors);
-    jp_robot_tick(robot, any_bool() ? JP_OK : JP_ERR_HARDWARE, &sensors, &actuation);
+    jp_robot_tick(robot, any_reading(), &sensors, &actuation);
 }
 
 static void reset(struct jp_robot *robot, const struct jp_robot_config *config)
@@ -90,6 +71,9 @@ int main(void)
     ANY_TIMES
     {
         command(&robot);
+        if (any_bool()) {
+            jp_robot_stop(&robot);
+        }
         tick(&robot);
         look(&robot);
         if (any_bool()) {

@@ -6,7 +6,9 @@
  * with any bytes retained. */
 #include <joulepath/skid_robot.h>
 
-#include "tests/proof/any.h"
+#define ROBOT jp_skid_robot
+#define ORDER jp_skid_command
+#include "tests/proof/any_robot.h"
 
 static void look(const struct jp_skid_robot *robot)
 {
@@ -19,34 +21,13 @@ static void look(const struct jp_skid_robot *robot)
     (void)jp_skid_robot_stopping_distance(jp_skid_robot_configuration(robot), any_between(-JP_Q24(8), JP_Q24(8)));
 }
 
-static void command(struct jp_skid_robot *robot)
-{
-    struct jp_skid_command order;
-
-    ANY(order);
-    switch (any_between(0, 3)) {
-    case 0:
-        (void)jp_skid_robot_enable(robot);
-        break;
-    case 1:
-        jp_skid_robot_disable(robot);
-        break;
-    case 2:
-        jp_skid_robot_stop(robot);
-        break;
-    default:
-        (void)jp_skid_robot_drive(robot, &order);
-        break;
-    }
-}
-
 static void tick(struct jp_skid_robot *robot)
 {
     struct jp_sensors sensors;
     struct jp_actuation actuation;
 
     ANY(sensors);
-    jp_skid_robot_tick(robot, any_bool() ? JP_OK : JP_ERR_HARDWARE, &sensors, &actuation);
+    jp_skid_robot_tick(robot, any_reading(), &sensors, &actuation);
 }
 
 static void reset(struct jp_skid_robot *robot, const struct jp_skid_robot_config *config)
@@ -89,6 +70,9 @@ int main(void)
     ANY_TIMES
     {
         command(&robot);
+        if (any_bool()) {
+            jp_skid_robot_stop(&robot);
+        }
         tick(&robot);
         look(&robot);
         if (any_bool()) {
