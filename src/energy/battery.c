@@ -257,6 +257,8 @@ uint8_t jp_battery_update(struct jp_battery *battery, const struct jp_battery_co
     }
     if (config->cells != NULL) {
         flags |= measure(battery, config, (flags & ~(uint32_t)JP_BATTERY_FULL) == 0U);
+    } else {
+        battery->second.drawn = 0;
     }
     if (battery->charge <= battery->reserve) {
         flags |= (uint32_t)JP_BATTERY_EMPTY;

@@ -24,8 +24,9 @@
 #define OFFSET_MOST      ONE_Q48
 #define VARIANCE_MOST    ONE_Q48
 
-/** What a gradient is limited to, V. */
-#define SLOPE_MAX JP_Q24(16)
+/** What voltages of a cell and their gradients are limited to, V. */
+#define SLOPE_MAX    JP_Q24(16)
+#define VOLTAGE_MOST (ONE_Q48 * 16)
 
 typedef int64_t jp_covariance[JP_BATTERY_UNKNOWNS][JP_BATTERY_UNKNOWNS];
 
@@ -182,12 +183,20 @@ static void widen(jp_covariance p, size_t unknown, jp_q24 deviation, int32_t par
     p[unknown][unknown] = wider > VARIANCE_MOST ? VARIANCE_MOST : wider;
 }
 
-/** Rounding must not make a variance vanish. */
+static int64_t limited(int64_t value, int64_t low, int64_t high)
+{
+    if (value < low) {
+        return low;
+    }
+    return value > high ? high : value;
+}
+
+/** Rounding must not make a variance vanish, nor a current that no cell bears make a covariance overflow. */
 static void keep_whole(jp_covariance p)
 {
     for (size_t i = 0; i < JP_BATTERY_UNKNOWNS; i++) {
-        if (p[i][i] < 1) {
-            p[i][i] = 1;
+        for (size_t j = 0; j < JP_BATTERY_UNKNOWNS; j++) {
+            p[i][j] = limited(p[i][j], i == j ? 1 : -VARIANCE_MOST, VARIANCE_MOST);
         }
     }
 }
@@ -236,14 +245,6 @@ void jp_battery_filter_start(struct jp_battery *battery, const struct jp_battery
     jp_battery_filter_doubt(battery, config);
 }
 
-static int64_t limited(int64_t value, int64_t low, int64_t high)
-{
-    if (value < low) {
-        return low;
-    }
-    return value > high ? high : value;
-}
-
 /** A part of the nominal capacity, Q48, as charge. */
 static jp_charge charge_of(int64_t part, const struct jp_battery_config *config)
 {
@@ -260,6 +261,8 @@ static void keep_within(struct jp_battery *battery, const struct jp_battery_conf
     battery->reserve = (battery->capacity >> 31) * config->reserve;
     filter->resistance = limited(filter->resistance, RESISTANCE_LEAST, RESISTANCE_MOST);
     filter->slowness = limited(filter->slowness, SLOWNESS_LEAST, RESISTANCE_MOST);
+    filter->polarisation = limited(filter->polarisation, -VOLTAGE_MOST, VOLTAGE_MOST);
+    filter->curve = limited(filter->curve, -VOLTAGE_MOST, VOLTAGE_MOST);
     filter->offset = limited(filter->offset, -OFFSET_MOST, OFFSET_MOST);
 }
 
@@ -283,7 +286,8 @@ static void predict(struct jp_battery *battery, const struct jp_battery_config *
     const struct jp_battery_cells *const cells = config->cells;
     struct jp_battery_filter *const filter = &battery->filter;
     const jp_q24 keep = cells->polarisation_keep >> 7;
-    const jp_q24 polarised = jp_multiply_shift(jp_q24_multiply(cells->polarisation, JP_Q24_ONE - keep), current, 16);
+    const jp_q24 drop = jp_multiply_shift(jp_q24_multiply(cells->polarisation, JP_Q24_ONE - keep), current, 16);
+    const jp_q24 polarised = jp_clamp32(drop, -SLOPE_MAX, SLOPE_MAX);
     const jp_q24 second = JP_Q24_ONE / HOUR;
 
     filter->polarisation = jp_scaled(filter->polarisation, keep) + jp_scaled(filter->slowness, polarised);
@@ -309,7 +313,7 @@ void jp_battery_expect(const struct jp_battery *battery, const struct jp_battery
     const jp_q24 relative = jp_divide(battery->capacity, (int32_t)(config->capacity << 8));
     const jp_q24 by_charge = jp_clamp32(jp_q24_divide(cell.slope, relative), 0, SLOPE_MAX);
     const jp_q24 drop = jp_clamp32(jp_multiply_shift(cell.resistance, current, 16), -SLOPE_MAX, SLOPE_MAX);
-    const jp_q24 sag = (jp_q24)jp_scaled(battery->filter.resistance >> 24, drop);
+    const jp_q24 sag = jp_saturate32(jp_scaled(battery->filter.resistance >> 24, drop));
     const jp_q24 load_noise = jp_q24_multiply(cells->load_noise, sag);
 
     *expected = (struct jp_battery_expectation){
@@ -339,10 +343,11 @@ static void correct(struct jp_battery *battery, const struct jp_battery_config *
                     const int64_t product[JP_BATTERY_UNKNOWNS], int64_t variance, jp_q24 error)
 {
     struct jp_battery_filter *const filter = &battery->filter;
+    const int64_t most = (int64_t)jp_square_root((uint64_t)variance) * JP_Q24_ONE; /* of an unknown's deviation of 1 */
     int64_t step[JP_BATTERY_UNKNOWNS];
 
     for (size_t i = 0; i < JP_BATTERY_UNKNOWNS; i++) {
-        const jp_q24 gain = gain_of(product[i], variance);
+        const jp_q24 gain = gain_of(limited(product[i], -most, most), variance);
 
         step[i] = (int64_t)gain * error;
         for (size_t j = i; j < JP_BATTERY_UNKNOWNS; j++) {

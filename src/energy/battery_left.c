@@ -47,6 +47,12 @@ static struct area area_between(const struct jp_battery_cells *cells, jp_q24 low
     return area;
 }
 
+/** What the load takes of a cell's voltage, limited: more than a cell has is as bad. */
+static jp_q24 drop_of(jp_q24 resistance, const struct jp_battery_config *config)
+{
+    return jp_clamp32(jp_multiply_shift(resistance, config->load, 16), 0, SLOPE_MAX);
+}
+
 static struct remainder remainder_of(const struct jp_battery *battery, const struct jp_battery_config *config)
 {
     const struct jp_battery_cells *const cells = config->cells;
@@ -59,9 +65,9 @@ static struct remainder remainder_of(const struct jp_battery *battery, const str
 
     return (struct remainder){
         .area = area.voltage,
-        .loss = jp_multiply_shift(resistance, config->load, 16),
-        .ohmic = jp_multiply_shift(ohmic, config->load, 16),
-        .polarised = jp_multiply_shift(cells->polarisation, config->load, 16),
+        .loss = drop_of(resistance, config),
+        .ohmic = drop_of(ohmic, config),
+        .polarised = drop_of(cells->polarisation, config),
         .voltage = cell.open_voltage,
         .share = share,
         .reserve = reserve,
@@ -124,7 +130,8 @@ jp_energy jp_battery_cells_deviation(const struct jp_battery *battery, const str
             left.area - jp_q24_multiply(left.share, left.voltage) + jp_q24_multiply(left.loss, left.reserve),
         [JP_BATTERY_OFFSET] = by_offset(config, energy_of_one(battery, &left)),
     };
-    const jp_q24 of_one = jp_battery_deviation(jp_battery_variance(&battery->filter, gradient));
+    const jp_q24 deviation = jp_battery_deviation(jp_battery_variance(&battery->filter, gradient));
+    const jp_q24 of_one = jp_clamp32(deviation, 0, SLOPE_MAX);
 
     return (int64_t)of_one * (int64_t)config->capacity * (int64_t)config->cells->series * 256;
 }

@@ -427,6 +427,73 @@ static void test_forecast_is_as_uncertain_as_the_charge(void)
 
 /* Headroom */
 
+/* Energies that a meter may report and no cell bears. */
+
+static void test_currents_that_no_cell_bears_overflow_nothing(void)
+{
+    struct jp_battery_state state;
+    const char *field;
+
+    cells.polarisation = JP_Q24_ONE;
+    cells.polarisation_keep = (jp_q31)2126008811; /* 0.99 */
+    cells.slowness_deviation = JP_Q24_ONE;
+    start(CAPACITY * COULOMB);
+    seconds(300, 2 * JP_BATTERY_ENERGY_STEP * JOULE, JP_Q16(12));
+    TEST_ASSERT_TRUE(battery.filter.polarisation <= 16 * Q48);
+    jp_battery_save(&battery, &config, &state);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_battery_restore(&battery, &config, &state, meter, &field));
+}
+
+static void test_a_stored_covariance_that_contradicts_itself_overflows_nothing(void)
+{
+    struct jp_battery_state state;
+    struct jp_battery_voltage expected;
+    const char *field;
+
+    start(CAPACITY / 2 * COULOMB);
+    jp_battery_save(&battery, &config, &state);
+    for (size_t i = 0; i < JP_BATTERY_UNKNOWNS; i++) {
+        state.filter.covariance[i][i] = 1;
+    }
+    state.filter.covariance[JP_BATTERY_CHARGE][JP_BATTERY_CAPACITY] = Q48;
+    state.filter.covariance[JP_BATTERY_CAPACITY][JP_BATTERY_CHARGE] = Q48;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_battery_restore(&battery, &config, &state, meter, &field));
+    jp_battery_voltage_at(&battery, &config, 0, &expected);
+    TEST_ASSERT_EQUAL_UINT8(0, second(0, expected.voltage));
+    TEST_ASSERT_TRUE(battery.charge >= 0 && battery.charge <= battery.capacity);
+}
+
+static void test_a_load_that_no_cell_bears_leaves_nothing(void)
+{
+    struct jp_forecast left;
+
+    for (size_t i = 0; i < JP_BATTERY_POINTS; i++) {
+        cells.resistance[i] = JP_Q24_ONE;
+    }
+    cells.series = 200;
+    cells.polarisation = JP_Q24_ONE;
+    cells.resistance_deviation = JP_Q24_ONE;
+    cells.slowness_deviation = JP_Q24_ONE;
+    config.capacity = 262144;
+    config.load = JP_Q16(1024);
+    start((jp_charge)262144 * COULOMB);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_battery_forecast_left(&battery, &config, &left));
+    TEST_ASSERT_EQUAL_INT32(0, left.energy);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, left.deviation);
+}
+
+static void test_without_cells_no_second_is_summed_up(void)
+{
+    config.cells = NULL;
+    config.voltage_min = JP_Q16_ONE;
+    start(CAPACITY * COULOMB);
+    for (unsigned i = 0; i < 140000; i++) {
+        meter = (jp_energy)((uint64_t)meter + (uint64_t)(JP_BATTERY_ENERGY_STEP * JOULE)); /* wraps as a meter's */
+        (void)jp_battery_update(&battery, &config, meter, JP_Q16_ONE);
+    }
+    TEST_ASSERT_TRUE(battery.charge == 0);
+}
+
 static void test_voltage_at_a_current(void)
 {
     struct jp_battery_voltage expected;

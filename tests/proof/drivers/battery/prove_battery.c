@@ -25,7 +25,6 @@ static void begin(void)
 
 static void look(void)
 {
-    struct jp_battery_state state;
     struct jp_forecast left;
     jp_charge charge;
 
@@ -34,14 +33,15 @@ static void look(void)
     (void)jp_battery_level_deviation(&battery, &config);
     (void)jp_battery_energy_left(&battery, &config);
     (void)jp_battery_forecast_left(&battery, &config, &left);
-    jp_battery_save(&battery, &config, &state);
 }
 
-static void look_ahead(void)
+static void look_at_cells(void)
 {
+    struct jp_battery_state state;
     struct jp_battery_voltage expected;
     jp_q16 voltage;
 
+    jp_battery_save(&battery, &config, &state);
     jp_battery_voltage_at(&battery, &config, any_int(), &expected);
     (void)jp_battery_voltage_under(&battery, &config, any_int(), &voltage);
     (void)jp_battery_power_at(&battery, &config, any_int());
@@ -64,7 +64,7 @@ int main(void)
         (void)jp_battery_update(&battery, &config, any_long(INT64_MIN, INT64_MAX), any_int());
         look();
         if (config.cells != NULL) {
-            look_ahead();
+            look_at_cells();
         }
     }
     ARRIVED();
