@@ -131,7 +131,7 @@ static unsigned suspicions(const struct jp_four_wheel_robot_internal *robot, enu
 
 /** As the counts since the frame before say, of a time of `ticks`. */
 static void measure(struct jp_four_wheel_robot_internal *robot, const struct jp_four_wheel_sensors *sensors,
-                    uint16_t ticks)
+                    uint32_t ticks)
 {
     for (int i = 0; i < (int)JP_WHEELS; i++) {
         const int32_t counted = robot->has_frame ? (int32_t)(sensors->count[i] - robot->good.count[i]) : 0;
@@ -150,7 +150,7 @@ static unsigned take_frame(struct jp_four_wheel_robot_internal *robot, enum jp_s
 
     robot->is_fresh = suspected == 0U;
     if (robot->is_fresh) {
-        measure(robot, sensors, (uint16_t)(robot->missed + 1U));
+        measure(robot, sensors, robot->missed + 1U);
         robot->good = *sensors;
         robot->has_frame = true;
         return 0;
@@ -332,8 +332,14 @@ static int64_t along_axis(jp_q31 of_ahead, jp_q31 of_left, int32_t ahead, int32_
     return jp_round_shift64(jp_multiply(of_ahead, ahead) - jp_multiply(of_left, left), 31);
 }
 
+/** 2³¹ m on it begins from the other end: what a reset left may be anything. */
+static int64_t moved(int64_t from, int64_t by)
+{
+    return (int64_t)((uint64_t)from + (uint64_t)by);
+}
+
 /** By the mean twist of so many ticks. */
-static void integrate(struct jp_four_wheel_robot_internal *robot, uint16_t ticks)
+static void integrate(struct jp_four_wheel_robot_internal *robot, uint32_t ticks)
 {
     struct jp_four_wheel_odometry *odometry = &robot->shown.odometry;
     const int32_t rate = (int32_t)robot->config->tick_rate;
@@ -341,7 +347,7 @@ static void integrate(struct jp_four_wheel_robot_internal *robot, uint16_t ticks
 
     jp_four_wheel_forward(&robot->config->wheels, &robot->measured, &odometry->twist, &slip);
 
-    const jp_phase turn = (jp_phase)((int64_t)ticks * jp_multiply(odometry->twist.turn_rate, robot->turn_per_rate));
+    const jp_phase turn = ticks * (jp_phase)jp_multiply(odometry->twist.turn_rate, robot->turn_per_rate);
     const jp_angle middle = jp_phase_angle(odometry->heading + (jp_phase)((int64_t)turn / 2));
     const jp_q31 cosine = jp_cos(middle);
     const jp_q31 sine = jp_sin(middle);
@@ -349,8 +355,8 @@ static void integrate(struct jp_four_wheel_robot_internal *robot, uint16_t ticks
     const int32_t ahead = jp_divide((int64_t)odometry->twist.x * 256, rate);
     const int32_t left = jp_divide((int64_t)odometry->twist.y * 256, rate);
 
-    odometry->x += (int64_t)ticks * along_axis(cosine, sine, ahead, left);
-    odometry->y += (int64_t)ticks * along_axis(sine, cosine, ahead, -left);
+    odometry->x = moved(odometry->x, (int64_t)ticks * along_axis(cosine, sine, ahead, left));
+    odometry->y = moved(odometry->y, (int64_t)ticks * along_axis(sine, cosine, ahead, -left));
     odometry->heading += turn;
 }
 
@@ -384,7 +390,7 @@ void jp_four_wheel_robot_account(struct jp_four_wheel_robot *self)
     struct jp_four_wheel_robot_internal *robot = &self->internal;
 
     if (robot->is_fresh) {
-        integrate(robot, (uint16_t)(robot->missed + 1U));
+        integrate(robot, robot->missed + 1U);
         robot->missed = 0;
     } else {
         robot->missed = jp_one_more16(robot->missed);

@@ -194,6 +194,34 @@ static void test_it_drives_the_twist_that_it_is_given(void)
     TEST_ASSERT_INT32_WITHIN(JP_Q16(0.001), 0, (int32_t)(telemetry.odometry.y >> 16));
 }
 
+static void test_sensors_that_come_back_after_long_are_taken(void)
+{
+    stand();
+    for (unsigned i = 0; i < UINT16_MAX; i++) {
+        jp_four_wheel_robot_control(&robot, JP_ERR_HARDWARE, &sensors, &actuation);
+        jp_four_wheel_robot_account(&robot);
+    }
+    sensors.count[JP_FRONT_LEFT] += UINT16_MAX;
+    tick(JP_OK);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_HARDWARE, telemetry.faults);
+    TEST_ASSERT_EQUAL_UINT32(UINT16_MAX, telemetry.dropped_frames);
+    TEST_ASSERT_TRUE(telemetry.odometry.x > 0);
+}
+
+static void test_a_place_at_the_end_of_the_format_overflows_nothing(void)
+{
+    struct jp_four_wheel_snapshot snapshot;
+
+    stand();
+    renew(&ahead, 100);
+    jp_four_wheel_robot_snapshot(&robot, &snapshot);
+    snapshot.odometry.x = INT64_MAX;
+    snapshot.odometry.y = INT64_MIN;
+    TEST_ASSERT_TRUE(jp_four_wheel_robot_resume(&robot, &snapshot));
+    renew(&ahead, 20);
+    TEST_ASSERT_TRUE(telemetry.odometry.x < 0);
+}
+
 static void test_odometry_turns_to_the_left(void)
 {
     const struct jp_twist turn = {.turn_rate = JP_Q24(0.5)};

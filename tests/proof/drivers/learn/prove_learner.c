@@ -1,7 +1,6 @@
 // eva: -eva-slevel-function jp_energy_regressors:20,arguments_are_valid:60,jp_horizon_check:60,first_bad_field:40
-// eva: -eva-slevel-function
-// main:30,jp_learner_expect:20,expect:20,jp_learner_update:20,jp_learned_state_update:20,jp_learner_restore:20 eva:
-// -eva-slevel-function jp_learned_state_check:20,jp_learned_state_restore:20
+// eva: -eva-slevel-function main:30,jp_learner_expect:20,expect:20,jp_learner_update:20,jp_learner_restore:20
+// eva: -eva-slevel-function jp_learned_state_update:20,jp_learned_state_check:20,jp_learned_state_restore:20
 /** Any tables that pass, any state that is stored, any segments and energies, for ever. */
 #include <joulepath/learner.h>
 
