@@ -135,11 +135,14 @@ enum jp_status jp_ground_learner_widen(const struct jp_ground_learner *learner, 
     if (learner == NULL || change == NULL || forecast == NULL) {
         return JP_ERR_ARGUMENT;
     }
+    if (!is_within(change, CHANGE_MAX)) {
+        forecast->deviation = INT32_MAX;
+        return JP_ERR_OVERFLOW;
+    }
     const uint32_t root = jp_square_root(jp_square(forecast->deviation) + variance_of(learner, change));
-    const bool fits = is_within(change, CHANGE_MAX) && root <= (uint32_t)INT32_MAX;
 
-    forecast->deviation = fits ? (jp_q16)root : INT32_MAX;
-    return fits ? JP_OK : JP_ERR_OVERFLOW;
+    forecast->deviation = jp_saturate32((int64_t)root);
+    return root <= (uint32_t)INT32_MAX ? JP_OK : JP_ERR_OVERFLOW;
 }
 
 /* ---- Update ---- */

@@ -333,6 +333,9 @@ static void test_a_forecast_that_has_no_format(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_ground_learner_widen(&learner, &change, &forecast));
     change.by_factor[1][JP_GROUND_ROLLING] = -(int64_t)JP_Q16(8192) - 1;
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_ground_learner_widen(&learner, &change, &forecast));
+    change.by_factor[2][JP_GROUND_FRICTION] = INT64_MIN;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_ground_learner_widen(&learner, &change, &forecast));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, forecast.deviation);
 }
 
 /* ---- Storing ---- */
