@@ -134,7 +134,7 @@ def identified_with(monkeypatch, options):
 def test_a_skid_steered_robot_from_its_file_drives_as_foretold(tmp_path, monkeypatch):
     making = making_of("skid", tmp_path)
     skid_design.design_controller(making)
-    identified_with(monkeypatch, ["--count=20", "--robots=30"])
+    identified_with(monkeypatch, ["--count=10", "--robots=22"])
     assert skid_design.identify(making)["random_percent"]["mean"] < 10
     program, = robot_trials.build(making.folder, "jp-mission")
     found = robot_trials.drive(program, making.robot_file, making.folder, 2001, "battery")
