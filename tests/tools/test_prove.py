@@ -100,7 +100,7 @@ def test_a_list_without_reasons_is_refused(judged):
 
 
 def test_a_room_without_drivers_is_refused():
-    with pytest.raises(ToolError, match="no drivers; rooms are balancer, base"):
+    with pytest.raises(ToolError, match="no drivers; rooms are app, balancer, base"):
         prove.chosen("no-such-room")
 
 
