@@ -95,6 +95,11 @@ bench-home: ## measure robots that come home on what is in their battery: trips 
 	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_home
 	$(BUILD)/bench/bench_home >$(BUILD)/bench/bench_home.json
 
+.PHONY: bench-return-map
+bench-return-map: ## count the instructions of a return map of 300 × 300 cells on an emulated Cortex-M7 (5 minutes)
+	@tools/setup.sh test firmware
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/target_return_map-cortex-m7.json
+
 .PHONY: bench-image
 bench-image: ## measure the navigator of the firmware's image: 20 drives in QEMU, 100 in process, a million ticks, memory (35 minutes)
 	@tools/setup.sh sil operate firmware
