@@ -3,6 +3,7 @@
 #ifndef TARGET_EXTERNAL_H
 #define TARGET_EXTERNAL_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #define TARGET_EXTERNAL_SIZE ((size_t)16 << 20)
