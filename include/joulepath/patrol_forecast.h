@@ -2,9 +2,9 @@
  * What a leg of a patrol will take: from its path, by the energy model of four_wheel_energy.h.
  *
  * The plan of a leg is a robot alone on its path: it turns as the patrol would (patrol.h), speeds up, goes as fast as
- * the path's bends allow, stops, and turns to the goal's heading; where the path ends before the goal it drives straight
- * in from there. What is in the way makes legs longer than that; by
- * how much is learned from legs that were driven, of the whole patrol and of each of its legs.
+ * the path's bends allow, stops, and turns to the goal's heading; where the path ends before the goal it drives
+ * straight in from there. What is in the way makes legs longer than that; by how much is learned from legs that were
+ * driven, of the whole patrol and of each of its legs.
  *
  * Single-precision floating point: part of libjoulepath_float. Not for ISRs.
  */
