@@ -20,6 +20,9 @@
  * way. */
 #define GATE 2.0f
 
+/* Of what a plan takes, whatever is learned of the robot. */
+#define RATIO_MIN 0.25f
+
 #define TURN_PER_UNIT (2.0f * JP_PLANE_PI / 4294967296.0f)
 
 /* A leg that is summed up. */
@@ -247,6 +250,18 @@ enum jp_status jp_patrol_plan_energy(const struct jp_patrol_config *config,
     *drive_sum = leg.drive;
     *duration += leg.duration;
     return JP_OK;
+}
+
+float jp_patrol_plan_ratio(const struct jp_four_wheel_drive *plan, const jp_q16 before[JP_FOUR_WHEEL_FACTORS],
+                           const jp_q16 after[JP_FOUR_WHEEL_FACTORS])
+{
+    const float energy = (float)plan->energy;
+    float more = 0.0f;
+
+    for (unsigned i = 0; i < (unsigned)JP_FOUR_WHEEL_FACTORS; i++) {
+        more += (float)plan->change[i] * ((float)after[i] / (float)before[i] - 1.0f);
+    }
+    return energy > 0.0f ? jp_plane_larger(1.0f + more / energy, RATIO_MIN) : 1.0f;
 }
 
 /* ---- Pace ---- */

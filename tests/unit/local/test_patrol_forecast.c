@@ -259,6 +259,28 @@ static void test_bad_arguments(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
 }
 
+/* 100 J, of which 20 are of rolling and 50 of electronics. */
+static void test_a_plan_follows_what_is_learned_of_the_robot(void)
+{
+    static const jp_q16 before[JP_FOUR_WHEEL_FACTORS] = {JP_Q16_ONE, JP_Q16_ONE, JP_Q16(2), JP_Q16(0.5)};
+    static const jp_q16 least[JP_FOUR_WHEEL_FACTORS] = {1, 1, 1, 1};
+    struct jp_four_wheel_drive plan = {.energy = JP_Q16(100)};
+    jp_q16 after[JP_FOUR_WHEEL_FACTORS] = {JP_Q16_ONE, JP_Q16_ONE, JP_Q16(2), JP_Q16(0.5)};
+
+    plan.change[0] = JP_Q16(20);
+    plan.change[3] = JP_Q16(50);
+    expect_within(1e-6f, 1.0f, jp_patrol_plan_ratio(&plan, before, after));
+    after[0] = JP_Q16(1.5);
+    after[2] = JP_Q16(4);
+    expect_within(1e-6f, 1.1f, jp_patrol_plan_ratio(&plan, before, after));
+    after[3] = JP_Q16(0.75);
+    expect_within(1e-6f, 1.35f, jp_patrol_plan_ratio(&plan, before, after));
+    plan.change[3] = JP_Q16(80);
+    expect_within(1e-6f, 0.25f, jp_patrol_plan_ratio(&plan, before, least));
+    plan.energy = 0;
+    expect_within(1e-6f, 1.0f, jp_patrol_plan_ratio(&plan, before, after));
+}
+
 /* ---- Pace ---- */
 
 static void test_nothing_is_known_at_first(void)
