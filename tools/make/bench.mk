@@ -254,6 +254,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@$(MAKE) bench-skid-bus
 	@$(MAKE) bench-image
 	@$(MAKE) bench-page
+	@$(MAKE) bench-python
 	@$(MAKE) coverage
 	@set -e; $(foreach b,$(BENCHES),echo '  BENCH $b'; $(BUILD)/bench/$b $(ARGS.$b) >$(BUILD)/bench/$b.json;)
 	@$(MAKE) size stack cycles test-targets
