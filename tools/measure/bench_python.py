@@ -51,16 +51,21 @@ def timed(command, **options):
     return time.perf_counter() - clock, children_seconds() - processors
 
 
+def copy_sources(folder):
+    """The project as it stands, without anything that was built."""
+    for name in subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT, text=True,
+                               check=True, capture_output=True).stdout.split("\0"):
+        if (ROOT / name).is_file():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, folder / name)
+
+
 def install():
-    """(command, seconds by the clock, of the processors) of each first command, in a fresh environment, from a copy of
-    the project without anything that was built."""
+    """(command, seconds by the clock, of the processors) of each first command, in a fresh environment, from a fresh copy
+    of the project."""
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "joulepath"
-        for name in subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT, text=True,
-                                   check=True, capture_output=True).stdout.split("\0"):
-            if (ROOT / name).is_file():
-                (copy / name).parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy2(ROOT / name, copy / name)
+        copy_sources(copy)
         environment = {name: value for name, value in os.environ.items()
                        if not name.startswith(("MAKE", "MFLAGS", "PYTHON", "VIRTUAL_ENV", "SKBUILD"))}
         for command in first_commands():
