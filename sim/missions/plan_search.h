@@ -9,7 +9,7 @@ struct plan_search {
     enum jp_answer answer;
     struct jp_plan plan;
     struct jp_planner_counts statistics;
-    double planning_s; /**< processor's wall clock */
+    double planning_s; /**< of the processor */
     struct plan_route route;
 };
 
