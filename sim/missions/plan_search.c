@@ -87,7 +87,10 @@ bool plan_search(struct map_file *map, const struct jp_lattice *lattice, enum jp
         error_line("--memory %zu: this computer has not that much; give less", memory / 1024);
         return false;
     }
+    const double begun = seconds_taken();
     const bool done = begin(&planner, map, lattice, cost, block, memory) && run(&planner, map, lattice, task, search);
+
+    search->whole_s = seconds_taken() - begun;
     free(block);
     return done;
 }

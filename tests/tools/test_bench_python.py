@@ -48,20 +48,22 @@ def fixture_measured(tmp_path, monkeypatch):
     (tmp_path / "bench").mkdir()
     monkeypatch.setattr(bench_python, "build_directory", lambda: tmp_path)
     monkeypatch.setattr(bench_python, "install", lambda: [("venv", 2.0, 1.0), ("pip", 100.0, 40.0)])
-    return tmp_path / "bench/bench_python.json"
+    return tmp_path / "bench"
 
 
 def test_figures_are_sums_means_and_worsts(measured, monkeypatch):
     monkeypatch.setattr(bench_python, "comparisons", lambda: [("office", 0.1, 0.105), ("yard", 0.2, 0.2)])
-    result = run_tool("measure.bench_python")
+    result = run_tool("measure.bench_python", "install", "planning")
     assert result.returncode == 0, result.stderr
-    assert [figure["value"] for figure in read_figures(measured)] == pytest.approx([2, 102, 41, 1.025, 1.05])
+    for part, values in (("install", [2, 102, 41]), ("planning", [1.025, 1.05])):
+        assert [figure["value"] for figure in read_figures(measured / f"bench_python_{part}.json")] == pytest.approx(values)
 
 
 def test_plans_that_differ_are_no_measurement(measured, monkeypatch):
     monkeypatch.setattr(bench_python, "comparisons", lambda: [bench_python.compare(
         SimpleNamespace(Robot=str, Terrain=SimpleNamespace(load=str)), "office", "office.json", "burger", None)])
-    monkeypatch.setattr(bench_python, "program_plans", lambda *_: {"planning_s": 1.0, "energy_j": 10.0})
+    monkeypatch.setattr(bench_python, "program_plans", lambda *_: (
+        {"start": [0, 0, 0], "goal_m": [1, 1]}, {"whole_s": 1.0, "energy_j": 10.0}))
     monkeypatch.setattr(bench_python, "python_plans", lambda *_: (1.0, SimpleNamespace(joules=11.0)))
-    assert_one_line_error(run_tool("measure.bench_python"), "office, burger", "11.0 J in Python, 10.0 J of jp-plan")
-    assert not measured.exists()
+    assert_one_line_error(run_tool("measure.bench_python", "planning"), "office, burger", "11.0 J in Python, 10.0 J of jp-plan")
+    assert list(measured.iterdir()) == []

@@ -24,4 +24,4 @@ bench-python: ## measure the Python package: from a checkout to the first joules
 	@tools/setup.sh python test
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-plan $(PYTHON_SITE)/joulepath/__init__.py
 	@mkdir -p $(BUILD)/bench
-	$(PYTHON) -m tools.measure.bench_python
+	$(PYTHON) -m tools.measure.bench_python install planning

@@ -104,16 +104,17 @@ def write_maps(folder, cell):
 
 
 def program_plans(path, robot, folder):
-    """The route of least energy that jp-plan found, and what its search took."""
+    """The summary of jp-plan, and in it the route of least energy."""
     command = [build_directory() / "bin/jp-plan", path, "--robot", robot, "--memory", str(MEMORY_KIB), "--output", folder]
     subprocess.run(command, check=False, capture_output=True)
-    return next(route for route in json.loads(read_text(folder / "summary.json"))["routes"] if route["name"] == "energy")
+    summary = json.loads(read_text(folder / "summary.json"))
+    return summary, next(route for route in summary["routes"] if route["name"] == "energy")
 
 
-def python_plans(joulepath, terrain, robot):
+def python_plans(joulepath, terrain, robot, start, goal):
     begin = time.thread_time()
     planner = joulepath.Planner(terrain, robot, memory=MEMORY_KIB << 10)
-    planner.choose_task()
+    planner.set_task(start, goal)
     found = planner.work()
     return time.thread_time() - begin, found
 
@@ -123,9 +124,10 @@ def compare(joulepath, name, path, robot, folder):
     in_c, in_python = [], []
     known = joulepath.Robot(robot)
     for _ in range(ROUNDS):
-        route = program_plans(path, robot, folder)
-        in_c.append(route["planning_s"])
-        seconds, found = python_plans(joulepath, joulepath.Terrain.load(path), known)
+        summary, route = program_plans(path, robot, folder)
+        in_c.append(route["whole_s"])
+        seconds, found = python_plans(joulepath, joulepath.Terrain.load(path), known, summary["start"],
+                                      summary["goal_m"])
         in_python.append(seconds)
         if abs(found.joules - route["energy_j"]) > 1e-9 * route["energy_j"]:
             raise ToolError(f"{name}, {robot}: {found.joules} J in Python, {route['energy_j']} J of jp-plan")
@@ -146,13 +148,16 @@ def figure(name, value, unit, bound=None):
             "bound": bound and {"op": "<=", "value": bound}, "command": COMMAND}
 
 
-def measure():
+def measure_install():
     steps = list(install())
     print_aligned([("command", "by the clock, s", "of processors, s"),
                    *((command, f"{clock:.1f}", f"{processors:.1f}") for command, clock, processors in steps)])
     yield figure("lines from a checkout to the first joules", len(steps), "", LINES_BAR)
     yield figure("from a checkout to the first joules, fresh environment", sum(step[1] for step in steps), "s", INSTALL_BAR_S)
     yield figure("the same, time of processors", sum(step[2] for step in steps), "s")
+
+
+def measure_planning():
     rows = list(comparisons())
     print_aligned([("\nplan", "jp-plan, ms", "Python, ms", "ratio"),
                    *((name, f"{1e3 * c:.2f}", f"{1e3 * python:.2f}", f"{python / c:.3f}") for name, c, python in rows)])
@@ -162,11 +167,16 @@ def measure():
                  max(python / c for _, c, python in rows), "", RATIO_BAR)
 
 
+PARTS = {"install": measure_install, "planning": measure_planning}
+
+
 def main():
-    ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0]).parse_args()
-    output = build_directory() / "bench/bench_python.json"
-    write_whole(output, json.dumps(list(measure()), indent=1) + "\n")
-    print(f"\nwrote {shown_path(output)}")
+    parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("parts", metavar="PART", nargs="+", choices=PARTS, help="install, planning")
+    for part in parser.parse_args().parts:
+        output = build_directory() / f"bench/bench_python_{part}.json"
+        write_whole(output, json.dumps(list(PARTS[part]()), indent=1) + "\n")
+        print(f"wrote {shown_path(output)}")
     return 0
 
 
