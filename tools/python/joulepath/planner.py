@@ -21,11 +21,6 @@ _STEP = record("struct plan_step", {"x": ("pose", "x"), "y": ("pose", "y"), "hea
                                     "length_m": ("length",), "joules": ("energy",), "seconds": ("time",)})
 
 
-# Untouched: the planner clears what it needs, and NumPy would ask for huge pages, which take longer to clear than a short
-# search.
-_allocate = ffi.new_allocator(should_clear_after_alloc=False)
-
-
 class Answer(enum.Enum):
     """What is known of a route."""
     NONE_YET = lib.JP_ANSWER_OUT_OF_BUDGET
@@ -116,7 +111,7 @@ class Planner:
         if self._lattice.robot_name != robot.name:
             raise Error(f"lattice: is of {self._lattice.robot_name}, not of {robot.name}; make one for that robot")
         check(lib.plan_lattice_fits(encoded(terrain.name or "map"), terrain._map, self._lattice._lattice))
-        self._block, self._size = _allocate("uint64_t[]", (memory + 7) // 8), (memory + 7) // 8 * 8
+        self._block = numpy.zeros((memory + 7) // 8, dtype=numpy.uint64)
         self._planner = ffi.new("struct jp_planner *")
         self._start: Any = None
         self._begin(cost, epsilon)
@@ -130,10 +125,10 @@ class Planner:
             config.epsilon[i] = level
         field = ffi.new("const char **")
         least = lib.jp_planner_size(ffi.addressof(self._terrain._terrain, "config"))
-        if self._size < least:
-            raise Error(f"memory: {self._size} B are too little for this map; give at least {least} B")
-        if lib.jp_planner_init(self._planner, config, self._terrain._terrain, self._block,
-                               self._size, field) != lib.JP_OK:
+        if self._block.nbytes < least:
+            raise Error(f"memory: {self._block.nbytes} B are too little for this map; give at least {least} B")
+        if lib.jp_planner_init(self._planner, config, self._terrain._terrain, ffi.from_buffer(self._block),
+                               self._block.nbytes, field) != lib.JP_OK:
             raise Error(f"planner: {text(field[0]) if field[0] else 'an argument'} is out of range")
 
     def set_task(self, start: Sequence[float], goal: Sequence[float]) -> None:
