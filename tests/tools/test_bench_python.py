@@ -56,7 +56,7 @@ def test_figures_are_sums_means_and_worsts(measured, monkeypatch):
     result = run_tool("measure.bench_python", "install", "planning")
     assert result.returncode == 0, result.stderr
     for part, values in (("install", [2, 102, 41]), ("planning", [1.025, 1.05])):
-        assert [figure["value"] for figure in read_figures(measured / f"bench_python_{part}.json")] == pytest.approx(values)
+        assert [figure["value"] for figure in read_figures(measured / f"python_{part}.json")] == pytest.approx(values)
 
 
 def test_plans_that_differ_are_no_measurement(measured, monkeypatch):

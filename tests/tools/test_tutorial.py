@@ -1,4 +1,4 @@
-"""tools/TUTORIAL.md: its robot file and scenario are good as they stand there, and `make bench-tutorial` does all of it."""
+"""tools/TUTORIAL.md: its robot file and scenario are good as they stand there, and `make tutorial` does all of it."""
 import subprocess
 
 import pytest
@@ -66,7 +66,7 @@ def run_bench(tmp_path, monkeypatch, text):
     monkeypatch.setattr(bench_tutorial, "build_directory", lambda: tmp_path)
     monkeypatch.setattr(bench_tutorial, "copy_sources", lambda folder: [(folder / "sim" / name).mkdir(parents=True)
                                                                         for name in ("robots", "scenarios")])
-    (tmp_path / "bench").mkdir()
+    (tmp_path / "tutorial").mkdir()
     return run_tool("measure.bench_tutorial")
 
 
@@ -91,9 +91,9 @@ def test_steps_are_done_in_a_copy_with_the_files_and_are_timed(tmp_path, monkeyp
     (tmp_path / "good.mk").write_text("all: ; @cat sim/robots/mine.cfg sim/scenarios/mine.cfg\n")
     result = run_bench(tmp_path, monkeypatch, STEPS.format(tmp_path / "good.mk"))
     assert result.returncode == 0, result.stderr
-    rows = read_json(tmp_path / "bench/bench_tutorial.tables.json")["tutorial"]["rows"]
+    rows = read_json(tmp_path / "tutorial/tutorial.tables.json")["tutorial"]["rows"]
     assert [row[0] for row in rows] == ["Look", "Read"] and all(float(row[2]) >= 0 for row in rows)
-    figures = read_figures(tmp_path / "bench/bench_tutorial.json")
+    figures = read_figures(tmp_path / "tutorial/tutorial.json")
     assert [figure["unit"] for figure in figures] == ["s", "s"] and figures[0]["bound"] == {"op": "<=", "value": 600}
 
 

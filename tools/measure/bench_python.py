@@ -174,7 +174,7 @@ def main():
     parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("parts", metavar="PART", nargs="+", choices=PARTS, help="install, planning")
     for part in parser.parse_args().parts:
-        output = build_directory() / f"bench/bench_python_{part}.json"
+        output = build_directory() / f"bench/python_{part}.json"
         write_whole(output, json.dumps(list(PARTS[part]()), indent=1) + "\n")
         print(f"wrote {shown_path(output)}")
     return 0

@@ -1,8 +1,8 @@
 """Do what tools/TUTORIAL.md says, step by step in a fresh copy of the project, and measure each step.
 
 The files are those that stand there, the commands those that begin its sections; what fails ends it with exit status 2.
-What is installed before the first step is not measured: the copy has the .venv of this one. Writes the table of the
-tutorial and figures, for tools/measure/figures.py.
+What is installed before the first step is not measured: the copy has the .venv of this one. Writes them
+to build/tutorial as a table and figures.
 """
 import json
 import os
@@ -16,7 +16,7 @@ from tools.measure.bench_python import copy_sources, timed
 from tools.measure.figure_store import write_tables
 
 TUTORIAL = ROOT / "tools/TUTORIAL.md"
-COMMAND = "make bench-tutorial"
+COMMAND = "make tutorial"
 HEADINGS = ("step", "command", "takes, s", "of processors, s")
 BAR_S = 600
 
@@ -62,10 +62,10 @@ def main():
     rows = [(title, f"`{command}`", f"{clock:.0f}", f"{processors:.0f}")
             for title, command, clock, processors in measure(read_text(TUTORIAL))]
     print_aligned([HEADINGS, *rows])
-    folder = build_directory() / "bench"
-    write_tables(folder / "bench_tutorial.tables.json", {"tutorial": (HEADINGS, rows)})
+    folder = build_directory() / "tutorial"
+    write_tables(folder / "tutorial.tables.json", {"tutorial": (HEADINGS, rows)})
     total = [sum(float(row[column]) for row in rows) for column in (2, 3)]
-    write_whole(folder / "bench_tutorial.json", json.dumps([
+    write_whole(folder / "tutorial.json", json.dumps([
         {"name": "tutorial, from a robot file to the firmware's drive", "value": total[0], "unit": "s",
          "bound": {"op": "<=", "value": BAR_S}, "command": COMMAND},
         {"name": "tutorial, from a robot file to the firmware's drive: time of processors", "value": total[1], "unit": "s",
