@@ -3,7 +3,6 @@ look."""
 import contextlib
 import json
 import os
-import re
 import signal
 import subprocess
 import time
@@ -18,8 +17,6 @@ CANDUMP = "candump.log"
 LOG = "log_cruise.csv"
 
 LIMIT = 600  # s, for what takes seconds on an idle machine: something hangs
-SILENCES = "times that the bridges fell silent"
-COUNT = re.compile(r"^ *(\S.*?) {2,}(\w+)(?:  \(.*\))?$", re.MULTILINE)
 
 
 def write_scenario(path, *waypoints, robot="gao2018"):
@@ -50,8 +47,8 @@ def wait_until(condition, what, limit=LIMIT):
 class Program:
     """A process whose output is in files, so that it can be read while it runs."""
 
-    def __init__(self, folder, name, command):
-        self.out, self.err = folder / f"{name}.out", folder / f"{name}.err"
+    def __init__(self, folder, name, command, counts=None):
+        self.out, self.err, self._counts = folder / f"{name}.out", folder / f"{name}.err", counts
         with self.out.open("w") as out, self.err.open("w") as err:
             self.process = subprocess.Popen([str(part) for part in command], cwd=ROOT, stdin=subprocess.DEVNULL,
                                             stdout=out, stderr=err, env=dict(os.environ, PYTHONUNBUFFERED="1"))
@@ -65,12 +62,11 @@ class Program:
         assert text in self.out.read_text(), self.err.read_text()
 
     def wait(self, limit=LIMIT):
-        """The result as of subprocess.run(), and the numbers of its table by their names."""
+        """The result as of subprocess.run(), and what it has counted, where it writes that and came to its end."""
         self.process.wait(limit)
-        stdout = self.out.read_text()
-        return SimpleNamespace(returncode=self.process.returncode, stdout=stdout, stderr=self.err.read_text(),
-                               counts={name: int(number, 16) if "fingerprint" in name else int(number, 0)
-                                       for name, number in COUNT.findall(stdout)})
+        counts = json.loads(self._counts.read_text()) if self._counts and self._counts.exists() else None
+        return SimpleNamespace(returncode=self.process.returncode, stdout=self.out.read_text(),
+                               stderr=self.err.read_text(), counts=counts)
 
     def stop(self, with_signal=signal.SIGTERM):
         self.process.send_signal(with_signal)
@@ -94,16 +90,26 @@ class Programs:
             program.process.wait()
 
     def start(self, *command):
-        name = f"{len(self._started)}-{Path(command[0]).name}"
-        program = Program(self.folder, name, command)
+        return self._start(command, self._next_name(command))
+
+    def ecu(self, bus, *options):
+        return self._start_counting(BIN / "jp-ecu", "--bus", bus, *options)
+
+    def plant(self, scenario, *options, patience=LIMIT):
+        return self._start_counting(BIN / "jp-plant", scenario, f"--patience={patience}", *options)
+
+    def _start_counting(self, *command):
+        name = self._next_name(command)
+        counts = self.folder / f"{name}.json"
+        return self._start((*command, "--json", counts), name, counts)
+
+    def _start(self, command, name, counts=None):
+        program = Program(self.folder, name, command, counts)
         self._started.append(program)
         return program
 
-    def ecu(self, bus, *options):
-        return self.start(BIN / "jp-ecu", "--bus", bus, *options)
-
-    def plant(self, scenario, *options, patience=LIMIT):
-        return self.start(BIN / "jp-plant", scenario, f"--patience={patience}", *options)
+    def _next_name(self, command):
+        return f"{len(self._started)}-{Path(command[0]).name}"
 
 
 def assert_verdict(result, *parts):

@@ -113,6 +113,13 @@ void command_line_take(const struct argp_state *state, const char *what, const c
     *place = argument;
 }
 
+void command_line_need_file(const struct argp_state *state, const char *path)
+{
+    if (path != NULL && strcmp(path, "-") == 0) {
+        command_line_refuse(state, "--json needs a file: standard output tells what happens as it runs");
+    }
+}
+
 void command_line_take_robot(const struct argp_state *state, const char *argument, struct command_line *options)
 {
     if (options->robot[0] != '\0') {

@@ -3,7 +3,8 @@
  *
  *   -b, --bus BUS          the CAN bus to be on
  *   -e, --energy KIND      motor or battery
- *   -j, --json FILE        write the result to FILE as well; with -, to standard output instead of the table
+ *   -j, --json FILE        write the result to FILE as well; with -, to standard output instead of the table, but for
+ *                          programs that tell there what happens as they run
  *   -m, --model MODEL      energy model
  *   -n, --count N          how many
  *   -o, --output DIR       folder of the results, made if need be; build/NAME of the program jp-NAME
@@ -32,6 +33,11 @@
 #define OPTION_JSON                                                                                                    \
     {                                                                                                                  \
         "json", 'j', "FILE", 0, "also as JSON to FILE; with -, to standard output instead of the table", 0             \
+    }
+/** Of a program that tells on standard output what happens as it runs: only to a file. */
+#define OPTION_JSON_COUNTS                                                                                             \
+    {                                                                                                                  \
+        "json", 'j', "FILE", 0, "what was counted, also as JSON to FILE", 0                                            \
     }
 #define OPTION_OUTPUT(folder)                                                                                          \
     {                                                                                                                  \
@@ -63,6 +69,9 @@ error_t command_line_option(int key, char *argument, const struct argp_state *st
 /** Ends the program after one line. */
 void command_line_refuse(const struct argp_state *state, const char *format, ...)
     __attribute__((noreturn, format(printf, 2, 3)));
+
+/** Refuses standard output as the file of --json, which may be NULL. */
+void command_line_need_file(const struct argp_state *state, const char *path);
 
 /** Takes the one argument that is no option; `what` it is. */
 void command_line_take(const struct argp_state *state, const char *what, const char *argument, const char **place);

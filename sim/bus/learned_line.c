@@ -80,6 +80,42 @@ static void print_change(const struct ecu_node *node, enum jp_cause cause)
     }
 }
 
+static const char *cause_name(enum jp_cause cause)
+{
+    switch (cause) {
+    case JP_CAUSE_GROUND:
+        return "ground";
+    case JP_CAUSE_PAYLOAD:
+        return "payload";
+    case JP_CAUSE_OTHER:
+        return "other";
+    case JP_CAUSE_NONE:
+    default:
+        return "none";
+    }
+}
+
+static json_t *change_json(const struct ecu_node *node, enum jp_cause cause, double seconds)
+{
+    json_t *object = json_pack("{s:f, s:s}", "t_s", seconds, "cause", cause_name(cause));
+    const struct jp_learner *learner = &node->balancer.robot.pilot.learner;
+    jp_q16 friction;
+    jp_q16 friction_deviation;
+    jp_q16 payload;
+    jp_q16 payload_deviation;
+
+    if (cause != JP_CAUSE_GROUND && cause != JP_CAUSE_PAYLOAD) {
+        return object;
+    }
+    jp_learner_causes(learner, &friction, &payload);
+    jp_learner_cause_deviations(learner, &friction_deviation, &payload_deviation);
+    (void)json_object_set_new(object, "friction", json_real(value(friction)));
+    (void)json_object_set_new(object, "friction_deviation", json_real(value(friction_deviation)));
+    (void)json_object_set_new(object, "payload_kg", json_real(value(payload)));
+    (void)json_object_set_new(object, "payload_deviation_kg", json_real(value(payload_deviation)));
+    return object;
+}
+
 void learned_line_print(struct learned_line *last, const struct ecu_node *node)
 {
     const struct jp_ecu *ecu = &node->lockstep.ecu;
@@ -89,9 +125,13 @@ void learned_line_print(struct learned_line *last, const struct ecu_node *node)
     if (lessons.changes == last->changes && lessons.cause == last->cause) {
         return;
     }
-    *last = (struct learned_line){.changes = lessons.changes, .cause = lessons.cause};
+    last->changes = lessons.changes;
+    last->cause = lessons.cause;
     if (lessons.changes > 0U) {
-        (void)printf("%.1f s: ", (double)ecu->tick / jp_ecu_tick_rate(ecu));
+        const double seconds = (double)ecu->tick / jp_ecu_tick_rate(ecu);
+
+        (void)json_array_append_new(last->told, change_json(node, lessons.cause, seconds));
+        (void)printf("%.1f s: ", seconds);
         print_change(node, lessons.cause);
         (void)fflush(stdout);
     }

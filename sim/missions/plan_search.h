@@ -9,7 +9,8 @@ struct plan_search {
     enum jp_answer answer;
     struct jp_plan plan;
     struct jp_planner_counts statistics;
-    double planning_s; /**< processor's wall clock */
+    double planning_s; /**< the search, of the processor */
+    double whole_s;    /**< the same with the planner's set-up and the route, in memory that is there */
     struct plan_route route;
 };
 

@@ -256,15 +256,15 @@ static json_t *json_search(const struct plan_report *report, enum plan_aim aim)
     const struct sums sums = sums_of_aim(report, aim);
     const bool arrives = plan_search_arrives(search);
 
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:o, s:f, s:I, s:I, s:I, s:f, s:o}", "name",
-                     aims[aim].name, "title", aims[aim].title, "file", plan_route_files[aim], "cost",
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:o, s:f, s:I, s:I, s:I, s:f, s:f, s:o}",
+                     "name", aims[aim].name, "title", aims[aim].title, "file", plan_route_files[aim], "cost",
                      costs[search->cost], "answer", answers[search->answer], "length_m", sums.length, "energy_j",
                      sums.energy, "time_s", sums.time, "climb_m", sums.climb, "turning_energy_j", sums.turning, "bound",
                      json_number_or_null(arrives ? (double)search->plan.bound / JP_EPSILON_ONE : NAN),
                      "distance_left_m", arrives ? 0 : distance_left(report, search), "steps",
                      (json_int_t)search->route.count - 1, "expansions", (json_int_t)search->statistics.expansions,
-                     "states", (json_int_t)search->statistics.states, "planning_s", search->planning_s,
-                     "parameter_version", json_version(search));
+                     "states", (json_int_t)search->statistics.states, "planning_s", search->planning_s, "whole_s",
+                     search->whole_s, "parameter_version", json_version(search));
 }
 
 static json_t *json_comparison(const struct plan_report *report)

@@ -1,6 +1,6 @@
 /* The planner's scene: a map that is drawn by hand, a robot that finds its way over it by the library's navigator, and
- * what that plans, repairs and takes. Driven as jp-navigate drives it, tick by tick; but the robot's map is the world,
- * and what is drawn while it drives is told at once. */
+ * what that plans, repairs and takes. Driven as jp-navigate drives it, tick by tick: it knows the map, and what it sees
+ * around it is on its map where its odometry puts it; but what is drawn while it drives is told at once. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,6 +22,9 @@
 #define SLICE       32
 #define WORK_RATE   500
 #define SENSOR_RATE 20
+
+/* m, as of jp-navigate. */
+#define VIEW_M 2.5
 
 #define CELLS_MAX 65536
 #define LEGS_MAX  96
@@ -86,8 +89,9 @@ static struct {
     uint8_t marks[CELLS_MAX];
     uint8_t searched[CELLS_MAX];
     jp_elevation elevations[CELLS_MAX];
-    struct jp_terrain map;
-    struct jp_terrain solid; /* what can be touched */
+    struct jp_terrain map;   /* that the robot has */
+    struct jp_terrain world; /* as it is, with what is too steep */
+    struct jp_terrain solid; /* what can be touched of it */
     struct navigation_task task;
     struct navigation_result result;
     struct navigation_robot robot;
@@ -96,7 +100,7 @@ static struct {
     struct jp_planner planner;
     struct jp_navigator navigator;
     struct jp_course_leg legs[LEGS_MAX];
-    void *blocks[4]; /* map, solid, planner, way */
+    void *blocks[5]; /* map, solid, planner, way, world */
     bool is_ready;
     uint64_t tick;
     double joules_before;
@@ -236,6 +240,7 @@ static bool make_terrain(struct jp_terrain *terrain, void **block)
 static void block_steep(double steepest)
 {
     (void)jp_terrain_block_steep(&page.map, (jp_q24)lround(steepest * JP_Q24_ONE));
+    (void)jp_terrain_block_steep(&page.world, (jp_q24)lround(steepest * JP_Q24_ONE));
     for (unsigned i = 0; i < page.width * page.height; i++) {
         const bool is_blocked =
             jp_terrain_cell(&page.map, (int32_t)(i % page.width), (int32_t)(i / page.width)) == JP_CELL_OCCUPIED;
@@ -263,7 +268,7 @@ static bool switch_on(const struct clearance_pose *start)
     }
     const struct skid_robot_entry *entry = skid_robot_find(name);
 
-    return entry != NULL && navigation_skid_init(&page.skid, entry, page_skid_robots[page.number], &page.map, NULL,
+    return entry != NULL && navigation_skid_init(&page.skid, entry, page_skid_robots[page.number], &page.world, NULL,
                                                  start, page.task.seed, &page.robot);
 }
 
@@ -326,16 +331,18 @@ PAGE_EXPORT(planner_begin)
 int planner_begin(int x, int y, unsigned heading, int goal_x, int goal_y, unsigned kib, double seed)
 {
     release();
-    if (!make_terrain(&page.map, &page.blocks[0]) || !make_terrain(&page.solid, &page.blocks[1])) {
+    if (!make_terrain(&page.map, &page.blocks[0]) || !make_terrain(&page.solid, &page.blocks[1]) ||
+        !make_terrain(&page.world, &page.blocks[4])) {
         return JP_ERR_MEMORY;
     }
     block_steep(steepest());
     page.task = (struct navigation_task){.lattice = page.lattice,
                                          .map = &page.map,
-                                         .world = &page.map,
+                                         .world = &page.world,
                                          .solid = &page.solid,
                                          .start = {(int16_t)x, (int16_t)y, (uint8_t)heading},
                                          .goal = {(int16_t)goal_x, (int16_t)goal_y, JP_ANY_HEADING},
+                                         .view_m = VIEW_M,
                                          .memory = (size_t)kib * 1024,
                                          .seed = (uint64_t)seed};
     forget();
@@ -396,16 +403,26 @@ PAGE_EXPORT(planner_wall) void planner_wall(int x, int y, unsigned is_wall)
 
         note_change();
         (void)jp_terrain_set_cell(&page.solid, x, y, cell);
+        (void)jp_terrain_set_cell(&page.world, x, y, cell);
         (void)jp_navigator_set_cell(&page.navigator, x, y, cell);
     }
 }
 
 /* ---- Time ---- */
 
+static bool tell(void *context, int x, int y, enum jp_cell cell)
+{
+    (void)context;
+    (void)jp_navigator_set_cell(&page.navigator, x, y, cell);
+    return true;
+}
+
 static void look(void)
 {
     const struct clearance_pose pose = page.robot.pose(page.robot.self);
+    const struct jp_place believed = jp_navigator_place(&page.navigator);
 
+    navigation_look(&page.task, &pose, &believed, &page.result, tell, NULL);
     navigation_measure(&page.task, &page.robot.body, &pose, &page.result);
     page.result.length_m += hypot(pose.x - page.before.x, pose.y - page.before.y);
     page.before = pose;

@@ -11,6 +11,7 @@
 #include "sim/balancer/rig.h"
 #include "sim/base/command_line.h"
 #include "sim/base/error.h"
+#include "sim/base/output.h"
 #include "sim/base/real_time.h"
 #include "sim/base/stop_signal.h"
 #include "sim/bus/bus_open.h"
@@ -27,6 +28,7 @@ struct arguments {
     const char *robot;
     const char *retained;
     const char *parameters;
+    const char *json;
     enum energy_kind energy;
     bool published;
     bool real_time;
@@ -60,6 +62,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
     case 'p':
         arguments->parameters = argument;
         return 0;
+    case 'j':
+        arguments->json = argument;
+        return 0;
     case OPTION_REAL_TIME:
         arguments->real_time = true;
         return 0;
@@ -67,6 +72,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         if (arguments->bus == NULL) {
             command_line_refuse(state, "--bus is needed");
         }
+        command_line_need_file(state, arguments->json);
         if (arguments->published && arguments->energy == ENERGY_BATTERY) {
             command_line_refuse(state,
                                 "--energy battery: the published model is of the motors' energy; leave --model out");
@@ -162,35 +168,59 @@ static void run_real_time(struct ecu_node *node, const struct jp_can_link *link,
     }
 }
 
-static void print_counts(const struct jp_ecu *ecu)
+#define COUNTS_MAX 14
+
+struct count {
+    const char *what;
+    const char *key; /**< in JSON */
+    uint32_t value;
+};
+
+static size_t counts_of(const struct jp_ecu *ecu, const struct jp_ecu_lessons *lessons, struct count counts[COUNTS_MAX])
 {
-    struct jp_ecu_lessons lessons;
-
-    jp_ecu_read_lessons(ecu, &lessons);
-
-    const struct {
-        const char *what;
-        uint32_t count;
-    } rows[] = {
-        {"ticks", ecu->tick},
-        {"resets survived", ecu->resets},
-        {"ticks without a sample", jp_ecu_lost_samples(ecu)},
-        {"frames with a wrong CRC", (uint32_t)ecu->sample_counts.crc_errors + ecu->operator_counts.crc_errors},
-        {"frames out of sequence", (uint32_t)ecu->sample_counts.sequence_errors + ecu->operator_counts.sequence_errors},
-        {"frames malformed", (uint32_t)ecu->sample_counts.malformed + ecu->operator_counts.malformed},
-        {"frames unknown", ecu->unknown_frames},
-        {"frames of another controller", ecu->conflicts},
-        {"frames that the bus did not take", ecu->send_errors},
-        {"commands rejected", (uint32_t)ecu->sample_counts.rejected + ecu->operator_counts.rejected},
-        {"operator timeouts", ecu->operator_timeouts},
-        {"bus-offs", ecu->bus_offs},
-        {"segments learned from", lessons.learned_from},
-        {"segments left out", lessons.left_out},
+    const struct jp_ecu_counts *samples = &ecu->sample_counts;
+    const struct jp_ecu_counts *commands = &ecu->operator_counts;
+    const struct count all[] = {
+        {"ticks", "ticks", ecu->tick},
+        {"resets survived", "resets", ecu->resets},
+        {"ticks without a sample", "samples_lost", jp_ecu_lost_samples(ecu)},
+        {"frames with a wrong CRC", "crc_errors", (uint32_t)samples->crc_errors + commands->crc_errors},
+        {"frames out of sequence", "sequence_errors", (uint32_t)samples->sequence_errors + commands->sequence_errors},
+        {"frames malformed", "malformed", (uint32_t)samples->malformed + commands->malformed},
+        {"frames unknown", "unknown", ecu->unknown_frames},
+        {"frames of another controller", "conflicts", ecu->conflicts},
+        {"frames that the bus did not take", "send_errors", ecu->send_errors},
+        {"commands rejected", "rejected", (uint32_t)samples->rejected + commands->rejected},
+        {"operator timeouts", "operator_timeouts", ecu->operator_timeouts},
+        {"bus-offs", "bus_offs", ecu->bus_offs},
+        {"segments learned from", "learned_from", lessons->learned_from},
+        {"segments left out", "left_out", lessons->left_out},
     };
 
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        (void)printf("%-34s %10" PRIu32 "\n", rows[i].what, rows[i].count);
+    memcpy(counts, all, sizeof all);
+    return sizeof all / sizeof all[0];
+}
+
+/** Also as JSON to `path`, unless that is NULL. */
+static bool tell_counts(const struct ecu_node *node, const struct told *told, const char *path)
+{
+    struct jp_ecu_lessons lessons;
+    struct count counts[COUNTS_MAX];
+    json_t *object = json_object();
+    size_t count;
+
+    jp_ecu_read_lessons(&node->lockstep.ecu, &lessons);
+    count = counts_of(&node->lockstep.ecu, &lessons, counts);
+    for (size_t i = 0; i < count; i++) {
+        (void)printf("%-34s %10" PRIu32 "\n", counts[i].what, counts[i].value);
+        (void)json_object_set_new(object, counts[i].key, json_integer(counts[i].value));
     }
+    if (path == NULL) {
+        json_decref(object);
+        return true;
+    }
+    (void)json_object_set(object, "changes", told->line.told);
+    return output_json(NULL, path, object) && output_commit();
 }
 
 /** Without a file the record is in the process, and NULL stands for it. */
@@ -206,9 +236,10 @@ static bool open_record(const struct arguments *arguments, struct jp_retained_fi
     return true;
 }
 
-static void run_on(struct ecu_node *node, const struct jp_can_link *link, const struct arguments *arguments)
+static bool run_on(struct ecu_node *node, const struct jp_can_link *link, const struct arguments *arguments)
 {
-    struct told told = {.bus = arguments->bus};
+    struct told told = {.line.told = json_array(), .bus = arguments->bus};
+    bool done;
 
     (void)printf("jp-ecu: robot %s on %s, %s\n", arguments->robot, arguments->bus,
                  arguments->real_time ? "real time" : "lockstep");
@@ -222,7 +253,9 @@ static void run_on(struct ecu_node *node, const struct jp_can_link *link, const 
     } else {
         run_lockstep(node, link, &told);
     }
-    print_counts(&node->lockstep.ecu);
+    done = tell_counts(node, &told, arguments->json);
+    json_decref(told.line.told);
+    return done;
 }
 
 static const struct jp_energy_model *model_of(const struct arguments *arguments, const struct robot_entry *entry)
@@ -266,8 +299,8 @@ static bool run(const struct arguments *arguments)
     }
     started = start(&node, arguments, &link.port, record.retained);
     if (started) {
-        run_on(&node, &link, arguments);
-        kept = ecu_node_end(&node);
+        kept = run_on(&node, &link, arguments);
+        kept = ecu_node_end(&node) && kept;
     }
     link.close(link.port.context);
     if (record.retained != NULL) {
@@ -284,6 +317,7 @@ int main(int argc, char **argv)
         {"model", 'm', "WHICH", 0, "energy model: identified or published (identified)", 0},
         {"energy", 'e', "KIND", 0, "what the identified model predicts: energy of the motor or of the battery (motor)",
          0},
+        OPTION_JSON_COUNTS,
         {"retained", OPTION_RETAINED, "FILE", 0, "memory that survives a restart (none)", 0},
         {"parameters", 'p', "FILE", 0, "what is learned, kept when the motors are switched off and at the end (none)",
          0},

@@ -81,6 +81,7 @@ static void check(const struct arguments *arguments, struct argp_state *state)
     if (arguments->scenario == NULL || arguments->bus_count == 0) {
         command_line_refuse(state, "a scenario and --bus are needed");
     }
+    command_line_need_file(state, arguments->common.json);
     if (in_process &&
         (arguments->bus_count > 1 || arguments->timing.pace == BUS_MISSION_REAL_TIME || arguments->hosts)) {
         command_line_refuse(state, "--bus " IN_PROCESS " stands alone, in lockstep");
@@ -194,12 +195,12 @@ static json_t *bus_json(const struct bus_mission *result, enum bus_mission_pace 
     char fingerprint[17];
 
     (void)snprintf(fingerprint, sizeof fingerprint, "%016" PRIx64, result->fingerprint);
-    return json_pack("{s:s, s:I, s:I, s:I, s:f, s:I, s:I, s:I, s:s}", "pace", pace_names[pace], "ticks_driven",
+    return json_pack("{s:s, s:I, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:s}", "pace", pace_names[pace], "ticks_driven",
                      (json_int_t)drive->ticks_driven, "commands_late", (json_int_t)drive->late, "timer_missed",
                      (json_int_t)result->missed_periods, "timer_worst_us", result->worst_lateness_us,
                      "motor_crc_errors", (json_int_t)drive->plant.crc_errors, "motor_sequence_errors",
                      (json_int_t)drive->plant.sequence_errors, "bridge_silences", (json_int_t)drive->plant.silences,
-                     "fingerprint", fingerprint);
+                     "ecu_faults", (json_int_t)drive->view.errors.faults, "fingerprint", fingerprint);
 }
 
 static json_t *summary(const struct scenario *scenario, const struct bus_mission *result, enum bus_mission_pace pace)
@@ -249,39 +250,46 @@ static bool drive_route(struct bus_mission *result, const struct arguments *argu
 }
 
 static bool drive_and_say(const struct arguments *arguments, const struct scenario *scenario,
-                          const struct jp_can_link *link, const struct files *files)
+                          const struct jp_can_link *link, const struct files *files, struct bus_mission *result)
 {
-    static struct bus_mission result;
-    const bool done = drive_route(&result, arguments, scenario, link, files);
+    const bool done = drive_route(result, arguments, scenario, link, files);
 
     if (done) {
-        mission_print(&result.mission);
+        mission_print(&result->mission);
     }
-    print_bus(&result, arguments->timing.pace);
+    print_bus(result, arguments->timing.pace);
     return done &&
-           output_json(arguments->common.output, "summary.json", summary(scenario, &result, arguments->timing.pace));
+           output_json(arguments->common.output, "summary.json", summary(scenario, result, arguments->timing.pace));
 }
 
 static bool drive_scenario(const struct arguments *arguments, const struct scenario *scenario,
-                           struct surroundings *surroundings)
+                           const struct jp_can_link *link, struct bus_mission *result)
 {
     struct files files;
 
-    if (!open_files(&files, arguments, scenario) || !drive_and_say(arguments, scenario, &surroundings->link, &files)) {
+    if (!open_files(&files, arguments, scenario) || !drive_and_say(arguments, scenario, link, &files, result)) {
         output_discard();
         return false;
     }
     return output_commit();
 }
 
-static bool host(const struct arguments *arguments, const struct scenario *scenario, struct surroundings *surroundings)
+static bool host(const struct arguments *arguments, const struct scenario *scenario, const struct jp_can_link *link,
+                 struct bus_mission *result)
 {
-    static struct bus_mission result;
-    const bool done = bus_mission_host(&result, scenario, &surroundings->link, arguments->timing,
-                                       arguments->host_seconds, stop_signal_came);
+    const bool done =
+        bus_mission_host(result, scenario, link, arguments->timing, arguments->host_seconds, stop_signal_came);
 
-    print_bus(&result, arguments->timing.pace);
+    print_bus(result, arguments->timing.pace);
     return done;
+}
+
+/** Of a drive that failed, too. */
+static bool write_counts(const struct arguments *arguments, const struct bus_mission *result)
+{
+    const char *path = arguments->common.json;
+
+    return path == NULL || (output_json(NULL, path, bus_json(result, arguments->timing.pace)) && output_commit());
 }
 
 /** The bus carries points alone: what else a route asks for would be left out. */
@@ -305,6 +313,7 @@ static bool is_of_points_alone(const char *path, const struct scenario *scenario
 static bool run(const struct arguments *arguments)
 {
     static struct surroundings surroundings;
+    static struct bus_mission result;
     struct scenario scenario;
     bool done;
 
@@ -318,8 +327,9 @@ static bool run(const struct arguments *arguments)
     if (arguments->timing.pace == BUS_MISSION_REAL_TIME) {
         (void)real_time_claim();
     }
-    done = arguments->hosts ? host(arguments, &scenario, &surroundings)
-                            : drive_scenario(arguments, &scenario, &surroundings);
+    done = arguments->hosts ? host(arguments, &scenario, &surroundings.link, &result)
+                            : drive_scenario(arguments, &scenario, &surroundings.link, &result);
+    done = write_counts(arguments, &result) && done;
     surroundings.link.close(surroundings.link.port.context);
     return done;
 }
@@ -333,6 +343,7 @@ int main(int argc, char **argv)
          0},
         {"patience", OPTION_PATIENCE, "SECONDS", 0, "in lockstep, wait so long for an ECU (10)", 0},
         OPTION_OUTPUT("build/plant"),
+        OPTION_JSON_COUNTS,
         {"frames", OPTION_FRAMES, NULL, 0,
          "also write DIR/" FRAMES_NAME ", all frames as candump -L does, in simulated time", 0},
         {"host", OPTION_HOST, "SECONDS", OPTION_ARG_OPTIONAL,

@@ -3,7 +3,7 @@ import subprocess
 
 import pytest
 from emulator import Emulator
-from programs import (LIMIT, ROOT, SILENCES, Programs, assert_done, assert_same_drive, drive_in_process,
+from programs import (LIMIT, ROOT, Programs, assert_done, assert_same_drive, drive_in_process,
                       write_scenario)
 
 ROUTE = [(0.25, 0.1)]
@@ -40,11 +40,11 @@ def test_a_crash_in_mid_drive_ends_in_a_balanced_stand(programs, tmp_path, board
         with emulator.crash(MID_DRIVE, plant):
             result = plant.wait()
     assert result.stderr == "leg 1: the ECU has restarted and knows no route\n"
-    assert result.counts[SILENCES] == 0
-    assert result.counts["faults that the ECU reports"] == 0
+    assert result.counts["bridge_silences"] == 0
+    assert result.counts["ecu_faults"] == 0
     # The counter of 4 bits begins anew: in sequence by chance, elsewhere, or just before the last one, which is then
     # repeated.
-    assert result.counts["motor commands out of sequence"] <= 2
+    assert result.counts["motor_sequence_errors"] <= 2
 
 
 @pytest.mark.parametrize(("robot", "model", "says"), [

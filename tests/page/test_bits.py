@@ -213,6 +213,30 @@ def test_the_command_that_the_page_shows_drives_the_same(page, tmp_path, robot):
     assert view["driven_m"] == pytest.approx(result["length_m"], rel=LIBM)
 
 
+def test_what_drift_puts_on_the_map_is_that_of_jp_navigate(with_host_libm, tmp_path):
+    """On its way round three walls the robot's odometry drifts, and it takes cells that it knew to be elsewhere."""
+    width, height, start, goal = 240, 160, (20, 20), (220, 140)
+    walls = {(x, y) for i, x in enumerate((60, 120, 180)) for y in (range(130) if i % 2 == 0 else range(30, height))}
+    side = 0.05  # of burger's cells
+    with_host_libm.call("planner_new", NAVIGATORS.index("burger"), width, height)
+    for x, y in walls:
+        with_host_libm.call("planner_wall", x, y, 1)
+    assert with_host_libm.call("planner_begin", *start, 0, *goal, 4096, 1.0) == 0
+    with_host_libm.call("planner_run", 10**7)
+    view = with_host_libm.view("planner")
+    (tmp_path / "map.json").write_text(json.dumps({
+        "format": "joulepath-map-1", "name": "page", "width": width, "height": height, "resolution_m": side,
+        "origin_m": [0, 0, 0], "rows": ["".join(".#"[(x, y) in walls] for x in range(width)) for y in reversed(range(height))]}))
+    places = [",".join(f"{(cell + 0.5) * side:.3f}" for cell in place) for place in (start, goal)]
+    run_program("jp-navigate", tmp_path / "map.json", "--hidden", 0, "--memory", 4096, "--robot", "burger", "--seed", 1,
+                "--start", f"{places[0]},0", "--goal", places[1], "--output", tmp_path)
+    result = json.loads((tmp_path / "summary.json").read_text())["result"]
+    assert result["cells_seen"] > 0 and result["state"] == "arrived" and view["state"] == 7
+    assert view["replans"] == result["replans"]
+    assert_as_printed(view["driven_j"], result["energy_j"])
+    assert_as_printed(view["driven_m"], result["length_m"])
+
+
 # ---- The patrol robot ----
 
 

@@ -36,6 +36,12 @@ def test_no_whole_number(program, option, text):
     assert_one_line_error(run(program, f"{option}={text}"), program, option, "whole number")
 
 
+@pytest.mark.parametrize(("program", "arguments"), [
+    ("jp-ecu", ["--bus=in-process"]), ("jp-plant", ["scenario.cfg", "--bus=in-process"])])
+def test_what_tells_as_it_runs_counts_into_a_file(program, arguments):
+    assert_one_line_error(run(program, *arguments, "--json=-"), program, "--json needs a file")
+
+
 @pytest.mark.parametrize(("program", "arguments", "part"), [
     ("jp-mission", ["a", "b"], "one scenario"), ("jp-front", ["a", "b"], "one scenario"), ("jp-plant", ["a", "b"], "one scenario"),
     ("jp-plan", ["a", "b"], "one map"), ("jp-trip", ["a", "b"], "one robot"), ("jp-robot", ["a", "b"], "one robot"),

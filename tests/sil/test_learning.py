@@ -2,8 +2,6 @@
 and noticed when the ground changes."""
 import random
 import re
-import subprocess
-import sys
 
 import pytest
 from conftest import run
@@ -11,9 +9,11 @@ from programs import ROOT, Programs, assert_done, assert_one_line_error, assert_
 from simulated_time import Host
 from test_bus import plant_with_lines
 
+from tools.operate import can_report
+
 ROUTE = [(2.0, 0.5), (3.0, 2.0), (2.0, 3.0)]
 NOTHING, TAKEN, OTHER_VERSION, OTHER_ROBOT, OTHER_TABLES, DAMAGED = range(6)
-LEARNED_FROM, LEFT_OUT = "segments learned from", "segments left out"
+LEARNED_FROM, LEFT_OUT = "learned_from", "left_out"
 RECORD_LENGTH = 112  # B
 
 
@@ -156,13 +156,14 @@ def test_a_change_of_surface_is_noticed_and_told(programs, drive, tmp_path):
     plant, line = plant_with_lines(programs, scenario, 1, "--output", tmp_path / "out", "--frames")
     ecu = programs.ecu(f"slcan:{line}", "--robot", "courier24", "--parameters", tmp_path / "parameters")
     assert_done(plant)
-    assert_stopped(ecu)
-    lines = [line for line in ecu.out.read_text().splitlines() if re.match(r"\d+\.\d s: ", line)]
-    assert lines[0].endswith("surface or robot changed, learning anew")
-    factor = re.fullmatch(r"[\d.]+ s: surface changed, friction ([\d.]+) ± ([\d.]+) of the robot file's", lines[1])
-    assert 1.5 < float(factor[1]) < 3.5 and 0 < float(factor[2]) < 0.5
-    # The log of the bus tells the same.
-    result = subprocess.run([sys.executable, "-m", "tools.operate.can_report", tmp_path / "out/frames.log",
-                             tmp_path / "report"], cwd=ROOT, capture_output=True, text=True, check=True)
-    reported = [line.split(" s: ")[1] for line in result.stdout.splitlines() if " s: " in line]
-    assert reported == [line.split(" s: ")[1] for line in lines]
+    changes = assert_stopped(ecu)["changes"]
+    assert [change["cause"] for change in changes[:2]] == ["none", "ground"]
+    assert 1.5 < changes[1]["friction"] < 3.5 and 0 < changes[1]["friction_deviation"] < 0.5
+    said = ecu.out.read_text()
+    assert said.count(" s: surface or robot changed, learning anew\n") == 1
+    assert f" s: surface changed, friction {changes[1]['friction']:.2f} ± {changes[1]['friction_deviation']:.2f} " \
+           "of the robot file's\n" in said
+    # The log of the bus tells the same, as far as its signals resolve it.
+    _, heard = can_report.convert(tmp_path / "out/frames.log")
+    assert [change["cause"] for change in heard.noticed] == [change["cause"] for change in changes]
+    assert heard.noticed[1]["friction"] == pytest.approx(changes[1]["friction"], abs=0.01)

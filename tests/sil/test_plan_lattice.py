@@ -3,11 +3,14 @@ import json
 import math
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 from conftest import LIMIT, ROOT, assert_one_line_error
 from test_plan import (BALANCER, ROVER, TASK, hill, names_in, places, plan, planned, room, rows_of, without_times,
                        write_map)
+
+from tools.design import import_map
 
 CELL = 0.1  # of the imported lattices
 STEPS = [(1, 0), (2, 1), (1, 1), (1, 2), (0, 1), (-1, 2), (-1, 1), (-2, 1), (-1, 0), (-2, -1), (-1, -1), (-1, -2),
@@ -103,7 +106,8 @@ def test_an_environment_of_sbpl_with_its_lattice_and_its_task(tmp_path):
     lattice = make_lattice(tmp_path / "lattice.json", "zhang2018", "--import", tmp_path / "some.mprim")
     result = run_tool("import_map", tmp_path / "env.cfg", tmp_path / "map.json")
     assert result.returncode == 0, result.stderr
-    task = next(line for line in result.stdout.splitlines() if "its task" in line).split()[-2:]
+    task = import_map.read_sbpl(tmp_path / "env.cfg", SimpleNamespace(cell_size=CELL)).task.split()
+    assert f"its task for jp-plan: {' '.join(task)}\n" in result.stdout
     assert task == places("1.05,3.05,0", "5.05,3.05,0")
     result = plan(tmp_path / "map.json", tmp_path / "out", *task, "--lattice", lattice)
     assert result.returncode == 0 or "TOUCHED AN OBSTACLE" in result.stdout  # it sweeps no margin

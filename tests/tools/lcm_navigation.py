@@ -21,9 +21,14 @@ class Motion:
     """The last JP_STATE, and what its task has been."""
 
     def __init__(self, link):
-        self.state, self.tasks = None, []
+        self.state, self.tasks, self.map_id = None, [], None
         self._link = link
         link.subscribe("JP_STATE", self._hear)
+        link.subscribe("JP_MAP", self._hear_map)
+
+    def _hear_map(self, _, data):
+        with contextlib.suppress(ValueError):  # rubbish
+            self.map_id = jp.map_t.decode(data).map_id
 
     def _hear(self, _, data):
         self.state = jp.state_t.decode(data)
@@ -61,11 +66,6 @@ def box_ahead(state):
     return [(u, v, 1) for v in range(y - 2, y + 2) for u in range(x - 2, x + 2)]
 
 
-def map_id_of(stage):
-    return int(next(line for line in (stage.directory / "navigate.out").read_text().splitlines()
-                    if line.startswith("sent map")).split()[2].rstrip(","))
-
-
 def send_rubbish_before(link):
     link.publish("JP_MAP_GOAL", goal_message(1, 1, 1))
     link.publish("JP_CELLS", cells_message(1, [(1, 1, 1)]))
@@ -87,10 +87,9 @@ def play(stage, the_map, start, goal):
     motion = Motion(link)
     send_rubbish_before(link)
     passing.run_until("motion", lambda: motion.rolls() or stage.has_ended("navigate"))
-    with contextlib.suppress(StopIteration):
-        map_id = map_id_of(stage)
-        link.publish("JP_CELLS", cells_message(map_id, box_ahead(motion.state)))
-        send_rubbish_after(link, map_id)
+    if motion.map_id is not None:
+        link.publish("JP_CELLS", cells_message(motion.map_id, box_ahead(motion.state)))
+        send_rubbish_after(link, motion.map_id)
         wait_until_taken()
     passing.run_until("arrival", lambda: motion.hear_all() or stage.has_ended("navigate"))
     return stop_all(stage, passing)

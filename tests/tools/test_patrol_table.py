@@ -20,7 +20,7 @@ COMPARE = """
 extern const struct jp_patrol_config jp_patrol_config_patrol;
 int main(void)
 {
-    printf("%.17g %.17g %d\\n", (double)jp_patrol_config_patrol.turn_first, (double)jp_patrol_config_patrol.jump,
+    printf("[%.17g, %.17g, %d]\\n", (double)jp_patrol_config_patrol.turn_first, (double)jp_patrol_config_patrol.jump,
            (int)jp_patrol_config_patrol.waits_max);
     return 0;
 }
@@ -72,8 +72,8 @@ def test_a_change_of_the_robot_reaches_the_compiler(tmp_path):
     subprocess.run(["gcc", "-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Werror", "-I",
                     ROOT / "include", tmp_path / "compare.c", tmp_path / "patrol_patrol.c", "-o",
                     tmp_path / "compare"], check=True)
-    shown = subprocess.run([tmp_path / "compare"], capture_output=True, text=True, check=True).stdout.split()
-    assert shown == [f"{float(np.float32(np.radians(33.3))):.17g}", f"{float(np.float32(0.3)):.17g}", "100"]
+    shown = subprocess.run([tmp_path / "compare"], capture_output=True, check=True).stdout
+    assert json.loads(shown) == [float(np.float32(np.radians(33.3))), float(np.float32(0.3)), 100]
 
 
 def test_floats_read_back():

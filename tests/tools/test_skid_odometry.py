@@ -1,4 +1,5 @@
 """tools/design/skid_odometry.py: the odometry of skid steer by the tyre's model, and what the tests of the core take for it."""
+import json
 import math
 import os
 import re
@@ -13,7 +14,7 @@ from tools.design import c_tables, robot_json, skid_odometry
 BUILD = Path(os.environ.get("JP_BUILD", ROOT / "build")).resolve()
 ROBOTS = ("zhang2018", "burger")
 
-# Prints the members in their order, by the check of tests/support.
+# Prints the members in their order, as JSON, by the check of tests/support.
 PROGRAM = """
 #include <stdio.h>
 #include "tests/support/skid_odometry_config.h"
@@ -27,8 +28,9 @@ int main(int count, char **arguments)
     const char *field = "";
     const int32_t *members = (const int32_t *)&config;
     for (size_t i = 0; i < sizeof config / sizeof *members; i++) {
-        printf("%d\\n", (int)members[i]);
+        printf("%s%d", i == 0 ? "[" : ", ", (int)members[i]);
     }
+    printf("]\\n");
     return jp_skid_odometry_check(&config, &field) != JP_OK;
 }
 """
@@ -60,12 +62,12 @@ def fixture_program(tmp_path_factory):
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_it_makes_what_the_tests_of_the_core_take(name, program):
-    printed = subprocess.run([program, ROOT / "sim" / "robots" / f"{name}.cfg"], capture_output=True, text=True,
-                             check=True).stdout.split()
+    printed = json.loads(subprocess.run([program, ROOT / "sim" / "robots" / f"{name}.cfg"], capture_output=True,
+                                        check=True).stdout)
     made = members(robot(name))
     assert len(made) == len(printed)
     for (member, value), expected in zip(made.items(), printed):
-        assert abs(value - int(expected)) <= 1, member
+        assert abs(value - expected) <= 1, member
 
 
 def test_members_stand_in_the_order_of_the_header():

@@ -5,6 +5,7 @@ Minimax fits by the Remez exchange, in exact rational arithmetic; the standard
 library is enough. Usage: python3 -m tools.design.fixed_polynomials
 """
 import math
+from dataclasses import dataclass
 from fractions import Fraction
 
 GRID = 8000
@@ -55,25 +56,42 @@ def remez(target, basis, count):
     return coefficients, max(abs(error(i / GRID)) for i in range(GRID + 1))
 
 
-def show(title, coefficients, fraction_bits, worst, unit):
-    print(f"{title}: largest error {worst:.3f} {unit}")
-    for c, bits in zip(coefficients, fraction_bits):
-        print(f"  {round(c * 2**bits):12d}  Q{bits}  {float(c):+.12f}")
+@dataclass(frozen=True)
+class Polynomial:
+    title: str
+    coefficients: list
+    fraction_bits: list
+    worst: float  # error, in unit
+    unit: str
+
+    def raw(self):
+        """The coefficients as the core has them."""
+        return [round(c * 2**bits) for c, bits in zip(self.coefficients, self.fraction_bits)]
+
+    def show(self):
+        print(f"{self.title}: largest error {self.worst:.3f} {self.unit}")
+        for raw, bits, c in zip(self.raw(), self.fraction_bits, self.coefficients):
+            print(f"  {raw:12d}  Q{bits}  {float(c):+.12f}")
 
 
-def main():
+def polynomials():
     # sin(πx/2) = x + x(1 − x²)R(x²): the form makes the quarter turns exact.
     r, worst = remez(lambda x: math.sin(math.pi * x / 2) - x,
                      lambda x, k: x * (1 - x * x) * x ** (2 * k), 5)
-    show("sine, R", r, range(32, 37), worst * 2**31, "ulp of Q31")
+    yield Polynomial("sine, R", r, list(range(32, 37)), worst * 2**31, "ulp of Q31")
 
     # atan(x) = x·P(x²), in turns.
     p, worst = remez(lambda x: math.atan(x) / (2 * math.pi), lambda x, k: x ** (2 * k + 1), 10)
-    show("arctangent, P", p, [34] * 10, worst * 2**32, "units of 2^-32 turn")
+    yield Polynomial("arctangent, P", p, [34] * 10, worst * 2**32, "units of 2^-32 turn")
 
     # 2^-x = 1 − x·P(x).
     p, worst = remez(lambda x: 1 - 2**-x, lambda x, k: x ** (k + 1), 6)
-    show("power of 1/2, P", p, [32] * 6, worst * 2**30, "units of 2^-30")
+    yield Polynomial("power of 1/2, P", p, [32] * 6, worst * 2**30, "units of 2^-30")
+
+
+def main():
+    for polynomial in polynomials():
+        polynomial.show()
 
 
 if __name__ == "__main__":

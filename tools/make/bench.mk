@@ -68,6 +68,12 @@ bench-plan: ## measure the planner on the 20 scenes, beside its peers, and on MA
 	$(BUILD)/bench/bench_plan --rows $(BUILD)/bench-plan/rows.json $(MAPS) >$(BUILD)/bench/bench_plan.json
 	$(PYTHON) -m tools.measure.bench_plan $(BUILD)/bench-plan/rows.json $(BUILD)/bench/bench_plan.tables.json
 
+.PHONY: tutorial
+tutorial: ## do what tools/TUTORIAL.md says in a fresh copy, and measure each step (10 minutes)
+	@tools/setup.sh test firmware
+	@mkdir -p $(BUILD)/tutorial
+	$(PYTHON) -m tools.measure.bench_tutorial
+
 .PHONY: bench-maps
 bench-maps: ## measure the planner on MAPS="a.json…" (tools/design/import_map.py) and LATTICES="b.json…" (make lattice FILE=…)
 	@tools/setup.sh test
@@ -259,6 +265,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@$(MAKE) bench-skid-bus
 	@$(MAKE) bench-image
 	@$(MAKE) bench-page
+	@$(MAKE) bench-python
 	@$(MAKE) coverage
 	@set -e; $(foreach b,$(BENCHES),echo '  BENCH $b'; $(BUILD)/bench/$b $(ARGS.$b) >$(BUILD)/bench/$b.json;)
 	@$(MAKE) size stack cycles test-targets bench-return-map

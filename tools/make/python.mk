@@ -18,3 +18,10 @@ python: ## build the Python package: its wheel in build/python/wheel
 	@tools/setup.sh python
 	@$(MAKE) $(PYTHON_SITE)/joulepath/__init__.py
 	@ls $(PYTHON_WHEEL)/*.whl
+
+.PHONY: bench-python
+bench-python: ## measure the Python package: from a checkout to the first joules in a fresh environment, planning beside jp-plan (5 minutes)
+	@tools/setup.sh python test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-plan $(PYTHON_SITE)/joulepath/__init__.py
+	@mkdir -p $(BUILD)/bench
+	$(PYTHON) -m tools.measure.bench_python install planning

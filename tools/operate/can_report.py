@@ -73,7 +73,7 @@ class Routes:
 
 
 class Changes:
-    """What the ECU has learned: a line for each change of robot or ground that it noticed."""
+    """What the ECU has learned: a line for each change of robot or ground that it noticed, and what is said there."""
 
     CAUSES = {"None": "surface or robot changed, learning anew",
               "Ground": "surface changed, friction {Friction:.2f} ± {FrictionDeviation:.2f} of the robot file's",
@@ -81,7 +81,7 @@ class Changes:
               "Other": "robot changed, neither surface nor payload"}
 
     def __init__(self):
-        self.lines = []
+        self.lines, self.noticed = [], []
         self._learned, self._told = None, (0, "None")
 
     def learned(self, signals):
@@ -92,6 +92,8 @@ class Changes:
         told = (signals["Changes"], str(signals["Cause"]))
         if told != self._told and signals["Changes"] > 0 and self._learned is not None:
             self.lines.append(f"{t:.1f} s: {self.CAUSES[told[1]].format(**self._learned)}")
+            self.noticed.append({"t_s": t, "cause": told[1].lower(), "friction": self._learned["Friction"],
+                                 "friction_deviation": self._learned["FrictionDeviation"]})
         self._told = told
 
 
@@ -209,7 +211,7 @@ def convert(path):
         converter.take(frame)
     if converter.known == 0:
         raise ToolError(f"{path}: no frame of joulepath.dbc")
-    return converter.record, converter.changes.lines
+    return converter.record, converter.changes
 
 
 def main():
@@ -219,7 +221,7 @@ def main():
     options = parser.parse_args()
     record, changes = convert(options.log)
     record.write(options.directory)
-    for line in changes:
+    for line in changes.lines:
         print(line)
     for name in (LOG_NAME, SUMMARY_NAME):
         print(f"wrote {shown_path(options.directory / name)}")

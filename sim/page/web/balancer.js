@@ -57,7 +57,7 @@ class BalancerScene {
       section("Joules against time", this.front, make("div", { className: "row" }, make("label", { className: "row" }, "Within", this.within), "s",
         button("Drive within", "drive-within", () => this.driveWithin())),
         make("p", { className: "hint" }, "Blue: what the route takes at each cruise, foretold from where it starts. Orange: this drive.")),
-      section("Legs", this.table));
+      section("Legs", this.table, (this.noLegs = make("p", { className: "hint" }, "Drive sends it: then each leg's joules are here, planned and driven."))));
   }
 
   add() {
@@ -335,6 +335,7 @@ class BalancerScene {
     const text = JSON.stringify(rows);
     if (text !== this.tableText) {
       this.tableText = text;
+      this.noLegs.hidden = count > 0;
       fillTable(this.table, ["to", "planned J", "driven J", "time s"], rows);
     }
   }

@@ -256,8 +256,8 @@ class PatrolScene {
     const { width, height, cell_m, goal_x_m, goal_y_m } = this.view;
     this.plane.fit(0, 0, width * cell_m, height * cell_m);
     const context = this.plane.begin();
-    this.drawGround(context);
     this.plane.grid();
+    this.drawGround(context);
     this.plane.line(this.path, css("plan"), 2);
     this.plane.line(this.trail, css("driven"), 2.5);
     this.plane.line(this.band, css("goal"), 3);

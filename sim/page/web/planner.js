@@ -176,7 +176,7 @@ class PlannerScene {
 
   command() {
     const middle = ({ x, y }) => [x, y].map((cell) => ((cell + 0.5) * Math.round(this.cell * 1e4) / 1e4).toFixed(3)).join(",");
-    return `build/bin/jp-navigate map.json --hidden 0 --memory ${this.memory} \\\n  --robot ${this.robots[this.robot]} --seed ${this.seed} \\\n  --start ${middle(this.start)},${this.headingDegrees.toFixed(3)} --goal ${middle(this.goal)}`;
+    return `build/bin/jp-navigate map.json --hidden 0 \\\n  --memory ${this.memory} --seed ${this.seed} \\\n  --robot ${this.robots[this.robot]} \\\n  --start ${middle(this.start)},${this.headingDegrees.toFixed(3)} \\\n  --goal ${middle(this.goal)}`;
   }
 
   /* ---- Drive ---- */

@@ -1,5 +1,7 @@
 """The command joulepath: one door to the programs and to the tools of the project."""
 
+from __future__ import annotations
+
 import os
 import runpy
 import subprocess
@@ -28,21 +30,23 @@ tools: {}
 program and its report, with --output DIR: {}"""
 
 
-def programs():
+def programs() -> list[str]:
     """Their names, without jp-."""
     return sorted(path.name.removeprefix("jp-") for path in _PROGRAMS.glob("jp-*"))
 
 
-def usage():
+def usage() -> str:
+    """What is said when it is asked for help."""
     recipes = (f"{name} ({program}, {tool})" for name, (program, tool) in RECIPES.items())
     return USAGE.format(*map(", ".join, (programs(), sorted(TOOLS), recipes)))
 
 
-def program(name, arguments):
+def program(name: str, arguments: list[str]) -> list[str]:
+    """The command that runs jp-NAME."""
     return [str(_PROGRAMS / f"jp-{name}"), *arguments]
 
 
-def run_tool(name, arguments):
+def run_tool(name: str, arguments: list[str]) -> int:
     """In this process; what it needs and is not there is said in a line."""
     sys.argv = [f"joulepath {name}", *arguments]
     try:
@@ -54,7 +58,8 @@ def run_tool(name, arguments):
     return 0
 
 
-def run_recipe(name, arguments):
+def run_recipe(name: str, arguments: list[str]) -> int:
+    """A program, and the report of what it wrote. The exit status of what failed, or 0."""
     if "--output" not in arguments[:-1]:
         print(f"joulepath {name}: --output DIR is needed, for the results and their report", file=sys.stderr)
         return 2
@@ -65,7 +70,8 @@ def run_recipe(name, arguments):
     return run_tool(tool, [arguments[arguments.index("--output") + 1]]) or status
 
 
-def main():
+def main() -> int:
+    """Of sys.argv; the exit status."""
     name, arguments = (sys.argv[1] if len(sys.argv) > 1 else "--help"), sys.argv[2:]
     os.environ.setdefault("JOULEPATH_ROBOTS", str(_PACKAGE / "sim" / "robots"))
     if name in ("-h", "--help"):

@@ -1,10 +1,16 @@
 """Missions of balancers and of robots that their sides steer, driven in the simulator."""
 
+from __future__ import annotations
+
 import tempfile
+from collections.abc import Iterable
+from os import PathLike
 from pathlib import Path
+from typing import Any, Literal
 
 import libconf
 import numpy
+from numpy.typing import NDArray
 
 from ._call import array_over, check, encoded, record, text
 from ._native import ffi, lib
@@ -12,7 +18,7 @@ from .robot import robot_path
 
 _FOLDER = Path(__file__).parent / "sim" / "scenarios"
 
-STRATEGIES = {"segments": lib.MISSION_OPTIMAL, "cruise": lib.MISSION_CRUISE,
+STRATEGIES: dict[str, int] = {"segments": lib.MISSION_OPTIMAL, "cruise": lib.MISSION_CRUISE,
               "optimised cruise": lib.MISSION_OPTIMISED_CRUISE, "bezier": lib.MISSION_BEZIER,
               "bezier route": lib.MISSION_BEZIER_ROUTE, "rounded": lib.MISSION_ROUNDED,
               "turn and go": lib.MISSION_TURN_AND_GO}
@@ -34,7 +40,7 @@ _LEG = record("struct mission_leg", {
 class Scenario:
     """A robot and the waypoints that it drives through: a libconfig file, or made here."""
 
-    def __init__(self, path):
+    def __init__(self, path: str | PathLike[str]) -> None:
         """By the path of a file, or the name of one that comes with the package."""
         path = Path(path)
         if path.parent == Path() and path.suffix == "":
@@ -43,7 +49,9 @@ class Scenario:
         check(lib.scenario_load(encoded(path), self._scenario))
 
     @classmethod
-    def of(cls, robot, waypoints, name="mission", energy=None, end="stand", seed=0, **more):
+    def of(cls, robot: str | PathLike[str], waypoints: Iterable[Iterable[float]], name: str = "mission",
+           energy: Literal["motor", "battery"] | None = None, end: Literal["stand", "pass"] = "stand", seed: int = 0,
+           **more: Any) -> Scenario:
         """A robot by name or path, and its waypoints: (x, y) in m, from (0, 0) on; more: keys of a scenario's file."""
         keys = {"name": name, "robot": str(Path(robot_path(robot)).resolve()), "energy_model": "identified",
                 "end": end, "seed": seed, **({} if energy is None else {"energy": energy}), **more,
@@ -54,29 +62,46 @@ class Scenario:
             return cls(path)
 
     @property
-    def name(self):
+    def name(self) -> str:
+        """Of the scenario."""
         return text(self._scenario.name)
 
     @property
-    def robot_name(self):
+    def robot_name(self) -> str:
+        """Of the robot that drives it."""
         return text(lib.scenario_robot(self._scenario).name)
 
     @property
-    def is_of_balancer(self):
-        return self._scenario.kind == lib.SCENARIO_BALANCER
+    def is_of_balancer(self) -> bool:
+        """Whether that is a balancer; otherwise its sides steer it."""
+        return bool(self._scenario.kind == lib.SCENARIO_BALANCER)
 
 
 class Mission:
     """What a drive planned and spent.
 
-    rows              50 a second: t_s, x_m, y_m, heading_rad, …, energy_j
+    rows              50 a second: t_s, x_m, y_m, heading_rad, …, energy_j: each name ends with its unit
     legs              a row a leg: planned, metered by the robot and spent by the plant, J; how near it passed its target
     joules            of the plant's ledger, of the scenario's kind of energy
     metered_joules    the same by the robot's meter
-    forecast_joules   what its pilot said beforehand, with forecast_deviation; None: no pilot drove
+    forecast_joules   what its pilot said beforehand, with forecast_deviation, J; None: no pilot drove
+    seconds           from its start to its end
+    passed_m          how near it passed its targets, at worst
+    ticks             of the controller
     """
 
-    def __init__(self, mission, rows):
+    rows: NDArray[numpy.void]
+    legs: NDArray[numpy.void]
+    joules: float
+    metered_joules: float
+    seconds: float
+    forecast_joules: float | None
+    forecast_deviation: float | None
+    passed_m: float
+    ticks: int
+
+    def __init__(self, mission: Any, rows: Any) -> None:
+        """Of drive()."""
         self.rows = array_over(ffi.cast("struct mission_row *", rows.first), rows.count, _ROW, rows)
         self.legs = array_over(ffi.addressof(mission.legs, 0), mission.leg_count, _LEG, mission)
         self.joules = mission.total.plant_energy
@@ -89,14 +114,15 @@ class Mission:
         self.ticks = mission.ticks
 
     @property
-    def xy_m(self):
+    def xy_m(self) -> NDArray[numpy.float64]:
+        """Where the robot was: a row of x and y, m, for each of rows."""
         return numpy.column_stack([self.rows["x_m"], self.rows["y_m"]])
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Mission: {self.joules:.2f} J, {self.seconds:.1f} s, {len(self.legs)} legs>"
 
 
-def drive(scenario, strategy=None):
+def drive(scenario: Scenario, strategy: str | None = None) -> Mission:
     """Drives a scenario in closed loop, by one of STRATEGIES; without one, as the robot drives by itself."""
     if strategy is None:
         strategy = "cruise" if scenario.is_of_balancer else "rounded"

@@ -1,11 +1,20 @@
 """Robots that find their way by themselves among what their map does not show: navigator.h."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy
+from numpy.typing import NDArray
+
 from ._call import Error, array_over, check, encoded, record, text
 from ._native import ffi, lib
 from .planner import _place
-from .robot import Lattice
+from .robot import Lattice, Robot
+from .terrain import Terrain
 
-STATES = tuple(text(lib.navigation_state_name(state)) for state in range(10))
+STATES: tuple[str, ...] = tuple(text(lib.navigation_state_name(state)) for state in range(10))
 
 _ROW = record("struct navigator_row", {
     "t_s": ("time",), "x_m": ("x",), "y_m": ("y",), "heading_rad": ("heading",), "energy_j": ("energy",),
@@ -17,7 +26,23 @@ class Navigation:
     what is blocked; planned_joules of the first route, forecast_joules of the first course with forecast_deviation; rows, 20
     a second, in m from the map's south-west corner: t_s, x_m, y_m, heading_rad, energy_j, left_m, state, replans."""
 
-    def __init__(self, result, rows):
+    rows: NDArray[numpy.void]
+    outcome: str
+    reason: str
+    joules: float
+    seconds: float
+    metres: float
+    planned_joules: float
+    forecast_joules: float
+    forecast_deviation: float
+    replans: int
+    cells_seen: int
+    touched: bool
+    clearance_m: float
+    goal_error_m: float
+
+    def __init__(self, result: Any, rows: Any) -> None:
+        """Of navigate()."""
         self.rows = array_over(ffi.cast("struct navigator_row *", rows.first), rows.count, _ROW, rows)
         self.outcome = text(lib.navigation_state_name(result.state))
         self.reason = text(lib.navigation_reason_name(result.reason))
@@ -28,11 +53,12 @@ class Navigation:
         self.touched, self.clearance_m = result.is_touched, result.clearance_m
         self.goal_error_m = result.goal_error_m
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Navigation {self.outcome}: {self.joules:.1f} J, {self.seconds:.1f} s, {self.metres:.2f} m>"
 
 
-def navigate(terrain, robot, start=None, goal=None, hidden=6, view_m=2.5, memory=1 << 20, seed=1):
+def navigate(terrain: Terrain, robot: Robot, start: Sequence[float] | None = None, goal: Sequence[float] | None = None,
+             hidden: int = 6, view_m: float = 2.5, memory: int = 1 << 20, seed: int = 1) -> Navigation:
     """Lets a robot drive to a goal over a map, in the simulator, among `hidden` boxes that the map does not show.
 
     start: x, y in m of the map's frame and a heading in degrees; goal: the same, or without a heading; without both, two
@@ -46,7 +72,7 @@ def navigate(terrain, robot, start=None, goal=None, hidden=6, view_m=2.5, memory
     if (start is None) != (goal is None):
         raise Error("start, goal: give both or neither")
     places = ffi.addressof(drive, "places")
-    if start is None:
+    if start is None or goal is None:
         check(lib.plan_task_choose(terrain._map, lattice._lattice, places))
     else:
         check(lib.plan_task_set(terrain._map, lattice._lattice, _place("start", start, (3,)),

@@ -1,6 +1,10 @@
 """Robots from their files, and the lattices of motions that they plan on."""
 
+from __future__ import annotations
+
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 from ._call import Error, check, encoded, text
 from ._native import ffi, lib
@@ -8,12 +12,12 @@ from ._native import ffi, lib
 _FOLDER = Path(__file__).parent / "sim" / "robots"
 
 
-def robots():
+def robots() -> list[str]:
     """The names of the robots that come with the package."""
     return sorted(path.stem for path in _FOLDER.glob("*.cfg"))
 
 
-def robot_path(robot):
+def robot_path(robot: str | PathLike[str]) -> Path:
     """The file of a robot: of the name of one that comes with the package, or a path itself."""
     path = Path(robot)
     return _FOLDER / f"{robot}.cfg" if path.parent == Path() and path.suffix == "" else path
@@ -22,62 +26,70 @@ def robot_path(robot):
 class Robot:
     """A balancer, or a robot that its sides steer: what a planner must know of it."""
 
-    def __init__(self, robot):
+    def __init__(self, robot: str | PathLike[str]) -> None:
         """By the name of one that comes with the package (robots()), or the path of a robot's file."""
         self.path = robot_path(robot)
         self._robot = ffi.new("struct lattice_robot *")
         check(lib.lattice_robot_load(encoded(self.path), self._robot))
 
     @property
-    def name(self):
+    def name(self) -> str:
+        """Of the robot, as in its file."""
         return text(self._robot.name)
 
     @property
-    def length_m(self):
-        return self._robot.length_m
+    def length_m(self) -> float:
+        """Of the robot's outline, m."""
+        return float(self._robot.length_m)
 
     @property
-    def width_m(self):
-        return self._robot.width_m
+    def width_m(self) -> float:
+        """Of the robot's outline, m."""
+        return float(self._robot.width_m)
 
     @property
-    def cell_m(self):
+    def cell_m(self) -> float:
         """Side of a cell of its maps, m."""
-        return self._robot.cell_m
+        return float(self._robot.cell_m)
 
     @property
-    def speed_max(self):
-        """m/s"""
-        return self._robot.speed_max
+    def speed_max(self) -> float:
+        """The highest speed that it plans, m/s."""
+        return float(self._robot.speed_max)
 
     @property
-    def turn_rate_max(self):
-        """rad/s"""
-        return self._robot.turn_rate_max
+    def turn_rate_max(self) -> float:
+        """The highest turn rate that it plans, rad/s."""
+        return float(self._robot.turn_rate_max)
 
     @property
-    def grade_max(self):
+    def grade_max(self) -> float:
         """Steepest ground that it drives on, rise over run."""
-        return self._robot.grade_max
+        return float(self._robot.grade_max)
 
     @property
-    def electronics_w(self):
-        return self._robot.electronics_power
+    def electronics_w(self) -> float:
+        """What its electronics draw all the time, W."""
+        return float(self._robot.electronics_power)
 
-    def motion_joules(self, speed, turn_rate, duration, rise=0.0):
-        """J of a motion at constant speed, m/s, and turn rate, rad/s, that ends `rise` m higher."""
-        return lib.lattice_robot_energy(self._robot, ffi.new("struct lattice_motion *", {
-            "speed": speed, "turn_rate": turn_rate, "rise": rise, "duration": duration}))
+    def motion_joules(self, speed: float, turn_rate: float, duration: float, rise: float = 0.0) -> float:
+        """J of a motion at constant speed, m/s, and turn rate, rad/s, for `duration` s, that ends `rise` m higher."""
+        return float(lib.lattice_robot_energy(self._robot, ffi.new("struct lattice_motion *", {
+            "speed": speed, "turn_rate": turn_rate, "rise": rise, "duration": duration})))
 
-    def cheapest_speed(self, curvature=0.0):
+    def cheapest_speed(self, curvature: float = 0.0) -> float:
         """m/s at which a curve, rad/m, takes the least energy a metre."""
-        return lib.lattice_robot_speed(self._robot, curvature)
+        return float(lib.lattice_robot_speed(self._robot, curvature))
 
 
 class Lattice:
     """The motions of a robot that a planner joins to a route."""
 
-    def __init__(self, robot):
+    _lattice: Any
+    _file: Any  # that it was loaded from
+    robot_name: str  # whose motions they are
+
+    def __init__(self, robot: Robot) -> None:
         """As built in for a robot."""
         self._lattice = lib.plan_lattice_find(encoded(robot.name))
         if self._lattice == ffi.NULL:
@@ -86,7 +98,7 @@ class Lattice:
         self.robot_name = robot.name
 
     @classmethod
-    def for_navigation(cls, robot):
+    def for_navigation(cls, robot: Robot) -> Lattice:
         """The one that a robot finds its own way by."""
         lattice = cls.__new__(cls)
         lattice._lattice = lib.plan_lattice_for_navigation(encoded(robot.name))
@@ -96,7 +108,7 @@ class Lattice:
         return lattice
 
     @classmethod
-    def load(cls, path):
+    def load(cls, path: str | PathLike[str]) -> Lattice:
         """Of a JSON file, as tools/design/lattice.py writes it."""
         lattice = cls.__new__(cls)
         file = ffi.new("struct lattice_file *")
@@ -107,6 +119,6 @@ class Lattice:
         return lattice
 
     @property
-    def cell_m(self):
+    def cell_m(self) -> float:
         """Side of the cells of its maps, m."""
-        return self._lattice.resolution / lib.JP_Q16_ONE
+        return float(self._lattice.resolution / lib.JP_Q16_ONE)

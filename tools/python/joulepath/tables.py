@@ -3,11 +3,17 @@
 This is the project's design tools, in this process; they need SciPy beside the package: pip install 'joulepath[tools]'.
 """
 
+from __future__ import annotations
+
 import tempfile
 from dataclasses import dataclass, field
+from os import PathLike
 from pathlib import Path
+from types import TracebackType
+from typing import Any
 
 import numpy
+from numpy.typing import NDArray
 
 from ._call import Error
 from .robot import robot_path
@@ -26,7 +32,7 @@ class Table:
     """
     name: str
     struct: str
-    values: dict = field(repr=False)
+    values: dict[str, Any] = field(repr=False)
     text: str = field(repr=False)
 
 
@@ -44,12 +50,12 @@ class Balancer:
     energy          Table jp_energy_model, of the linear plant; driving experiments makes it better
     """
     name: str
-    gains: dict
-    poles: numpy.ndarray
-    margins: dict
+    gains: dict[str, float]
+    poles: NDArray[numpy.complex128]
+    margins: dict[str, float]
     settling_s: float
-    a: numpy.ndarray = field(repr=False)
-    b: numpy.ndarray = field(repr=False)
+    a: NDArray[numpy.float64] = field(repr=False)
+    b: NDArray[numpy.float64] = field(repr=False)
     controller: Table
     energy: Table
 
@@ -61,7 +67,7 @@ class SkidSteered:
     controller: Table
 
 
-def design(robot):
+def design(robot: str | PathLike[str]) -> Balancer | SkidSteered:
     """The controller of a robot, by its name or the path of its file: Balancer or SkidSteered. What physics or formats
     forbid is an Error."""
     linear_model, robot_json, gain_design, skid_robot = _tools("linear_model", "robot_json", "gain_design", "skid_robot")
@@ -82,13 +88,13 @@ def design(robot):
 class Identified:
     """The energy model of a balancer by experiments in the simulator: a and b as of Balancer, and by how much it misses
     experiments that it was not fitted to, % of what they took, on average."""
-    a: numpy.ndarray
-    b: numpy.ndarray
+    a: NDArray[numpy.float64]
+    b: NDArray[numpy.float64]
     error_percent: float
     table: Table
 
 
-def identify(robot, experiments=1000, seed=1):
+def identify(robot: str | PathLike[str], experiments: int = 1000, seed: int = 1) -> Identified:
     """Drives experiments with a balancer whose controller is built in, and fits its energy model (Identified)."""
     robot_json, tool, c_tables, energy_unit = _tools("robot_json", "identify", "c_tables", "energy_unit")
     path = robot_path(robot)
@@ -105,7 +111,7 @@ def identify(robot, experiments=1000, seed=1):
                           _table(f"energy_{data.name}.c", table))
 
 
-def write_lattice(robot, path):
+def write_lattice(robot: str | PathLike[str], path: str | PathLike[str]) -> None:
     """Writes the state lattice that fits a robot as JSON, for Lattice.load()."""
     lattice, = _tools("lattice")
     with _errors():
@@ -115,7 +121,7 @@ def write_lattice(robot, path):
 
 # ---- The project's tools ----
 
-def _tools(*names):
+def _tools(*names: str) -> list[Any]:
     import importlib
     try:
         return [importlib.import_module(f"joulepath.tools.design.{name}") for name in names]
@@ -123,32 +129,32 @@ def _tools(*names):
         raise Error(f"tables need the Python package of {error.name}; pip install 'joulepath[tools]' has all") from None
 
 
-def _program(name):
+def _program(name: str) -> str:
     return str(_PACKAGE / "build" / "bin" / name)
 
 
 class _errors:
     """What the tools complain about, as Error."""
 
-    def __enter__(self):
+    def __enter__(self) -> _errors:
         return self
 
-    def __exit__(self, kind, error, _):
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
         from .tools.common import ToolError
         if isinstance(error, ToolError):
             raise Error(str(error)) from None
 
 
-def _table(name, table):
+def _table(name: str, table: Any) -> Table:
     c_tables, = _tools("c_tables")
     return Table(name, table.type, _values(table.members), c_tables.render(table))
 
 
-def _values(members):
+def _values(members: Any) -> dict[str, Any]:
     return {member.name: _value(member) for member in members}
 
 
-def _value(member):
+def _value(member: Any) -> Any:
     if hasattr(member, "members"):
         return _values(member.members)
     if hasattr(member, "values"):
@@ -156,10 +162,12 @@ def _value(member):
     return _number(member.value)
 
 
-def _number(text):
+def _number(text: object) -> int | bool | str:
     """Of C: an integer, true or false, or what has a name."""
-    text = str(text)
+    word = str(text)
+    if word in ("true", "false"):
+        return word == "true"
     try:
-        return {"true": True, "false": False}.get(text) if text in ("true", "false") else int(text.rstrip("U"))
+        return int(word.rstrip("U"))
     except ValueError:
-        return text.strip('"')
+        return word.strip('"')

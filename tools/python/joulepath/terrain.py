@@ -1,18 +1,31 @@
 """Maps of the ground."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from os import PathLike
+from typing import Any, TypeVar
+
 import numpy
+from numpy.typing import ArrayLike, NDArray
 
 from ._call import array_over, check, encoded, text
 from ._native import ffi, lib
 
-FREE, OCCUPIED, UNKNOWN = lib.JP_CELL_FREE, lib.JP_CELL_OCCUPIED, lib.JP_CELL_UNKNOWN
+FREE: int = lib.JP_CELL_FREE
+OCCUPIED: int = lib.JP_CELL_OCCUPIED
+UNKNOWN: int = lib.JP_CELL_UNKNOWN
+
+
+Scalar = TypeVar("Scalar", bound=numpy.generic)
 
 
 class Terrain:
     """Cells, their elevation and their costs, row by row from the south: [y, x]."""
 
-    def __init__(self, cells, cell_m, elevation_m=None, costs=None, cost_shift=0, origin=(0, 0, 0),
-                 unknown_is_free=False):
+    def __init__(self, cells: ArrayLike, cell_m: float, elevation_m: ArrayLike | None = None,
+                 costs: ArrayLike | None = None, cost_shift: int = 0, origin: Sequence[float] = (0, 0, 0),
+                 unknown_is_free: bool = False) -> None:
         """A map of arrays.
 
         cells        FREE, OCCUPIED or UNKNOWN; or True where something stands
@@ -30,10 +43,10 @@ class Terrain:
                   "has_elevation": elevation_m is not None, "unknown_is_free": unknown_is_free,
                   "has_costs": costs is not None, "cost_shift": cost_shift}
         elevation = None if elevation_m is None else _units(_like(cells, "elevation_m", elevation_m))
-        costs = None if costs is None else _bytes(_like(cells, "costs", costs))
+        prices = None if costs is None else _bytes(_like(cells, "costs", costs))
         arrays = {"cells": ffi.from_buffer("uint8_t[]", cells),
                   "elevation": ffi.NULL if elevation is None else ffi.from_buffer("jp_elevation[]", elevation),
-                  "costs": ffi.NULL if costs is None else ffi.from_buffer("uint8_t[]", costs)}
+                  "costs": ffi.NULL if prices is None else ffi.from_buffer("uint8_t[]", prices)}
         self._map = ffi.new("struct map_file *")
         check(lib.map_arrays_make(self._map, ffi.new("struct jp_terrain_config *", config),
                                   ffi.new("struct map_arrays *", arrays)))
@@ -41,7 +54,7 @@ class Terrain:
         self._map.origin = list(origin)
 
     @classmethod
-    def load(cls, path):
+    def load(cls, path: str | PathLike[str]) -> Terrain:
         """The map of a JSON file, as tools/design/import_map.py writes it."""
         terrain = cls.__new__(cls)
         terrain._map = ffi.new("struct map_file *")
@@ -49,67 +62,69 @@ class Terrain:
         terrain._own()
         return terrain
 
-    def _own(self):
+    def _own(self) -> None:
         self._map = ffi.gc(self._map, lib.map_file_free)
         self._terrain = ffi.addressof(self._map, "terrain")
 
     @property
-    def name(self):
+    def name(self) -> str:
+        """Of the map; empty where it was made of arrays."""
         return text(self._map.name)
 
     @property
-    def shape(self):
+    def shape(self) -> tuple[int, int]:
         """Rows and columns."""
-        return self._terrain.config.height, self._terrain.config.width
+        return int(self._terrain.config.height), int(self._terrain.config.width)
 
     @property
-    def cell_m(self):
+    def cell_m(self) -> float:
         """Side of a cell, m."""
-        return self._terrain.config.resolution / lib.JP_Q16_ONE
+        return float(self._terrain.config.resolution / lib.JP_Q16_ONE)
 
     @property
-    def origin(self):
+    def origin(self) -> tuple[float, float, float]:
         """x, y, m, and direction, rad, of the south-west corner in the map's frame."""
-        return tuple(self._map.origin)
+        x, y, direction = self._map.origin
+        return float(x), float(y), float(direction)
 
     @property
-    def cells(self):
+    def cells(self) -> NDArray[numpy.uint8]:
         """FREE, OCCUPIED or UNKNOWN, a copy."""
         cells = numpy.empty(self.shape, dtype=numpy.uint8)
         lib.map_arrays_cells(self._map, ffi.from_buffer("uint8_t[]", cells, require_writable=True))
         return cells
 
     @property
-    def elevation_units(self):
+    def elevation_units(self) -> NDArray[numpy.int16] | None:
         """In units of 1/1024 m, over the map's own memory; None: level."""
         return self._over(self._terrain.elevation, numpy.int16)
 
     @property
-    def elevation_m(self):
+    def elevation_m(self) -> NDArray[numpy.float64] | None:
         """m, a copy; None: level."""
         units = self.elevation_units
-        return None if units is None else units / lib.JP_ELEVATION_ONE
+        return None if units is None else units / float(lib.JP_ELEVATION_ONE)
 
     @property
-    def costs(self):
+    def costs(self) -> NDArray[numpy.uint8] | None:
         """0 to 255, over the map's own memory; None: everywhere the same."""
         return self._over(self._terrain.costs, numpy.uint8)
 
-    def _over(self, pointer, dtype):
+    def _over(self, pointer: Any, dtype: type[Scalar]) -> NDArray[Scalar] | None:
         if pointer == ffi.NULL:
             return None
         height, width = self.shape
         return array_over(pointer, height * width, dtype, self._map).reshape(height, width)
 
 
-def _like(cells, name, values):
-    values = numpy.asarray(values)
-    if values.shape != cells.shape:
-        raise ValueError(f"{name}: is an array of {values.shape}; the cells' is {cells.shape}")
-    return values
+def _like(cells: NDArray[Any], name: str, values: ArrayLike) -> NDArray[Any]:
+    array = numpy.asarray(values)
+    if array.shape != cells.shape:
+        raise ValueError(f"{name}: is an array of {array.shape}; the cells' is {cells.shape}")
+    return array
 
 
-def _units(elevation_m):
+def _units(elevation_m: NDArray[Any]) -> NDArray[numpy.int16]:
     units = numpy.rint(numpy.asarray(elevation_m, dtype=float) * lib.JP_ELEVATION_ONE)
     most = numpy.iinfo(numpy.int16).max
     if not numpy.all(numpy.abs(units) <= most):
@@ -117,7 +132,7 @@ def _units(elevation_m):
     return numpy.ascontiguousarray(units, dtype=numpy.int16)
 
 
-def _bytes(costs):
+def _bytes(costs: NDArray[Any]) -> NDArray[numpy.uint8]:
     if not numpy.all((costs >= 0) & (costs <= 255) & (costs == numpy.floor(costs))):
         raise ValueError("costs: must be whole numbers from 0 to 255")
     return numpy.ascontiguousarray(costs, dtype=numpy.uint8)
