@@ -2,13 +2,15 @@
  * What a skid-steered or differential-drive robot can see of its ground and its wheels, beside what monitor.h checks.
  *
  *   slope     the specific force along x without the reference's acceleration, low-passed, is the sine of the slope
- * ahead; that along z is the cosine of the whole tilt. JP_FAULT_SLOPE: the sine is beyond that of monitor.tilt_limit,
- *             or the cosine below `upright`. The cosine tells a tilt to the side late: with an accelerometer that is
- * off by 0.02 g, 15° and 30° look alike. stalled   the current is at `stall_current` and the wheel does not turn:
- * JP_FAULT_STALLED_LEFT, _RIGHT. in air    in straight motion: of the current that the ground should take, a side takes
- * less than a quarter and the other more than a half: JP_FAULT_WHEEL_IN_AIR. It is not judged where the ground should
- * take less than `carried`: on level ground gears may take more than the ground does. spinning  gyro and wheels
- * contradict each other by `spin_rate` and three quarters of what the wheels say: JP_FAULT_WHEELS_SPIN.
+ *             ahead; that along z is the cosine of the whole tilt. JP_FAULT_SLOPE: the sine is beyond that of
+ *             monitor.tilt_limit, or the cosine below `upright`. The cosine tells a tilt to the side late: with an
+ *             accelerometer that is off by 0.02 g, 15° and 30° look alike.
+ *   stalled   the current is at `stall_current` and the wheel does not turn: JP_FAULT_STALLED_LEFT, _RIGHT
+ *   in air    in straight motion: of the current that the ground should take, a side takes less than a quarter and the
+ *             other more than a half: JP_FAULT_WHEEL_IN_AIR. It is not judged where the ground should take less than
+ *             `carried`: on level ground gears may take more than the ground does
+ *   spinning  gyro and wheels contradict each other by `spin_rate` and three quarters of what the wheels say:
+ *             JP_FAULT_WHEELS_SPIN
  */
 #ifndef JOULEPATH_SKID_MONITOR_H
 #define JOULEPATH_SKID_MONITOR_H
@@ -24,7 +26,7 @@ struct jp_skid_monitor_config {
     jp_q24 upright;            /**< specific force along z below it is too steep, g; 0…1 */
     jp_q31 smoothing;          /**< share that a call takes into slope, tilt and currents; above 0 */
     jp_q16 stall_current;      /**< A; above 0 */
-    jp_turns_per_s stall_rate; /**< |ω| below it does not turn, turn/s; above 0 */
+    jp_turns_per_s stall_rate; /**< a wheel that rolls less in a tick does not turn, turn/s; above 0 */
     jp_q16 friction;           /**< dry friction of a side, A; 0…2 047 */
     jp_q16 carried;            /**< the least that is judged of what the ground takes, A; above 0 */
     jp_q24 turn_per_wheel;     /**< r/B, turns of the body for one that the right wheel is ahead; above 0, at most 8 */

@@ -24,6 +24,9 @@
 /** Drives of a trip. */
 #define OUT_AND_HOME 2U
 
+/** So often a robot forgets what it has seen before it takes its goal to be out of reach. */
+#define FORGETS_MAX 3
+
 /** Poses of the way home of a slice. */
 #define HOME_SLICE 500
 
@@ -39,7 +42,10 @@ struct navigation {
     struct jp_home home;
     struct jp_course_leg home_legs[NAVIGATION_LEGS];
     void *home_block;
-    bool was_out; /* on its way to the goal */
+    uint8_t *known;     /* cells of the map before it saw any */
+    unsigned forgotten; /* how often what it saw, */
+    double forgot_at_m; /* and how far it had driven then */
+    bool was_out;       /* on its way to the goal */
     struct clearance_pose start;
     struct clearance_pose before;
     double joules_before;
@@ -74,6 +80,14 @@ static bool tell(void *context, int x, int y, enum jp_cell cell)
 
     (void)jp_navigator_set_cell(&navigation->navigator, x, y, cell);
     return true;
+}
+
+static void look(struct navigation *navigation)
+{
+    const struct clearance_pose pose = pose_of(navigation);
+    const struct jp_place believed = jp_navigator_place(&navigation->navigator);
+
+    navigation_look(navigation->task, &pose, &believed, navigation->result, tell, navigation);
 }
 
 /* ---- The battery ---- */
@@ -318,10 +332,9 @@ static void tick(struct navigation *navigation, uint64_t tick)
     }
     if (tick % (rate / SENSOR_RATE) == 0) {
         const struct clearance_pose pose = pose_of(navigation);
-
         const struct jp_place believed = jp_navigator_place(&navigation->navigator);
 
-        navigation_look(navigation->task, &pose, &believed, navigation->result, tell, navigation);
+        look(navigation);
         navigation->result->drift_m =
             fmax(navigation->result->drift_m, hypot(pose.x - believed.point.x / Q16, pose.y - believed.point.y / Q16));
         navigation_measure(navigation->task, &navigation->robot->body, &pose, navigation->result);
@@ -336,6 +349,52 @@ static void tick(struct navigation *navigation, uint64_t tick)
         navigation->has_new_course =
             navigation->has_new_course || (before == JP_NAVIGATOR_JOINING && state == JP_NAVIGATOR_TURNING);
         note_forecast(navigation);
+    }
+}
+
+/** Of the map, cells row by row from the south. */
+static size_t cells_of(const struct navigation *navigation)
+{
+    const struct jp_terrain_config *cells = &navigation->task->map->config;
+
+    return (size_t)cells->width * (size_t)cells->height;
+}
+
+static enum jp_cell cell_now(const struct navigation *navigation, size_t i)
+{
+    const size_t width = (size_t)navigation->task->map->config.width;
+
+    return jp_terrain_cell(navigation->task->map, (int32_t)(i % width), (int32_t)(i / width));
+}
+
+/** What it saw is where its odometry was then, and may block what is free from where that is now: it takes the map as
+ * it was, with what it sees now. */
+static void forget(struct navigation *navigation)
+{
+    const size_t width = (size_t)navigation->task->map->config.width;
+
+    for (size_t i = 0; i < cells_of(navigation); i++) {
+        const enum jp_cell known = (enum jp_cell)navigation->known[i];
+
+        if (known != cell_now(navigation, i)) {
+            (void)tell(navigation, (int)(i % width), (int)(i / width), known);
+        }
+    }
+    look(navigation);
+    navigation->forgotten++;
+    navigation->forgot_at_m = navigation->result->length_m;
+}
+
+/** A goal that cannot be reached by what it has seen is tried again, where it has driven since it last knew no more
+ * than now. */
+static void try_again(struct navigation *navigation)
+{
+    const double driven = navigation->result->length_m - navigation->forgot_at_m;
+
+    if (navigation->navigator.state == JP_NAVIGATOR_UNREACHABLE && navigation->forgotten < FORGETS_MAX &&
+        driven > navigation->task->map->config.resolution / Q16) {
+        forget(navigation);
+        (void)jp_navigator_go(&navigation->navigator, &navigation->task->goal);
     }
 }
 
@@ -402,6 +461,9 @@ static bool drive(struct navigation *navigation)
     }
     for (uint64_t i = 0; !is_over(navigation) && navigation->result->seconds < task->patience; i++) {
         tick(navigation, i);
+        if (task->battery == NULL) {
+            try_again(navigation);
+        }
         navigation->result->seconds = (double)i / rate;
     }
     conclude(navigation);
@@ -481,6 +543,9 @@ static bool prepare_navigator(struct navigation *navigation, void *block)
         error_line("%s: %s is out of the range of the navigator on this map; take other cells", robot->name, field);
         return false;
     }
+    for (size_t i = 0; i < cells_of(navigation); i++) {
+        navigation->known[i] = (uint8_t)cell_now(navigation, i);
+    }
     return task->battery == NULL || prepare_home(navigation);
 }
 
@@ -509,9 +574,10 @@ static bool run(const struct navigation_task *task, const struct navigation_robo
     if (navigation != NULL) {
         describe(navigation, task, robot, result);
         navigation->way = malloc(navigation->way_size);
+        navigation->known = malloc(cells_of(navigation));
         navigation->home_block = task->battery != NULL ? malloc(jp_home_size(&task->map->config)) : NULL;
     }
-    if (navigation == NULL || navigation->way == NULL || block == NULL ||
+    if (navigation == NULL || navigation->way == NULL || navigation->known == NULL || block == NULL ||
         (task->battery != NULL && navigation->home_block == NULL)) {
         error_line("--memory %zu: this computer has not that much; give less", task->memory / 1024);
     } else {
@@ -519,6 +585,7 @@ static bool run(const struct navigation_task *task, const struct navigation_robo
     }
     if (navigation != NULL) {
         free(navigation->way);
+        free(navigation->known);
         free(navigation->home_block);
     }
     free(navigation);

@@ -66,10 +66,13 @@ uint16_t jp_skid_monitor_ground(struct jp_skid_monitor *monitor, const struct jp
 
 /* The wheels. */
 
-static bool is_stalled(const struct jp_skid_monitor_config *config, const struct jp_skid_side *side, jp_q16 current)
+/** By what the encoder counted: the tracked rate goes along with each change of the reference. */
+static bool is_stalled(const struct jp_skid_monitor_config *config, const struct jp_skid_motion *motion, unsigned side)
 {
-    return jp_magnitude32(current) >= (uint32_t)config->stall_current &&
-           jp_magnitude32(side->rate) < (uint32_t)config->stall_rate;
+    const int64_t rolled = (int64_t)motion->control->sides[side].rolled;
+    const int64_t stalled = (int64_t)jp_phase_step(config->stall_rate, motion->control->phase_per_rate);
+
+    return jp_magnitude32(motion->current[side]) >= (uint32_t)config->stall_current && jp_absolute64(rolled) < stalled;
 }
 
 /** Of a current, what the ground takes when the wheel turns as `reference` says, A. */
@@ -121,7 +124,7 @@ static bool contradicts(const struct jp_skid_monitor_config *config, const struc
 static unsigned stall_of(struct jp_skid_monitor *monitor, const struct jp_skid_monitor_config *config,
                          const struct jp_skid_motion *motion, unsigned side)
 {
-    const bool stalled = is_stalled(config, &motion->control->sides[side], motion->current[side]);
+    const bool stalled = is_stalled(config, motion, side);
     const unsigned fault =
         side == (unsigned)JP_SKID_LEFT ? (unsigned)JP_FAULT_STALLED_LEFT : (unsigned)JP_FAULT_STALLED_RIGHT;
 

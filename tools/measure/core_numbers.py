@@ -134,4 +134,6 @@ def write_figures(kind, figures):
 
 
 def figure(name, value, unit, bar, command):
-    return {"name": name, "value": value, "unit": unit, "bound": {"op": "<=", "value": bar}, "command": command}
+    """`bar`: None where there is none."""
+    bound = None if bar is None else {"op": "<=", "value": bar}
+    return {"name": name, "value": value, "unit": unit, "bound": bound, "command": command}

@@ -23,7 +23,8 @@ HAL_ROOMS = ("storage", "can", "app")
 MODULES = {
     "balancer": r"src/(balancer/(robot|robot_read|estimator|lqr|odometry|path_error|reference)|energy/meter|base/(fixed|config_check|monitor))",
     "energy": r"src/energy/energy",
-    "skid steer: energy, learner": r"src/(energy/skid_energy|learn/(skid_learner|skid_grounds|ground_learner)|skid_steer/skid_(tariff|path_energy))",
+    "skid steer: energy": r"src/(energy/skid_energy|skid_steer/skid_(tariff|path_energy))",
+    "skid steer: learner": r"src/learn/(skid_learner|skid_grounds|ground_learner)",
     "energy of short segments": r"src/energy/horizon",
     "battery": r"src/energy/battery(_\w+)?",
     "evidence": r"src/balancer/(current_check|evidence)",
@@ -32,7 +33,8 @@ MODULES = {
     "learner": r"src/learn/(learner(_\w+)?|learned_state|forecast(_sum)?|normal_quantile)",
     "tariff": r"src/map/tariff",
     "skid steer": r"src/skid_steer/skid_steer",
-    "skid-steered robot": r"src/(skid_steer/skid_(robot|robot_read|snapshot|control|monitor|odometry|gyro|tilt|slip|past|estimate|arithmetic|follow)|energy/meter_battery|base/reciprocal)",
+    "skid steer: control, robot": r"src/(skid_steer/skid_(robot|robot_read|snapshot|control|monitor|follow)|energy/meter_battery)",
+    "skid steer: odometry": r"src/(skid_steer/skid_(odometry|gyro|tilt|slip|past|estimate|arithmetic)|base/reciprocal)",
     "grid planner": r"src/search/grid_\w+",
     "path spline": r"src/trajectory/path_spline",
     "path of a lattice plan": r"src/trajectory/(clothoid|lattice_path|line_path|path_(corner|drive|speed))",
@@ -73,7 +75,7 @@ MODULES = {
 }
 SMALL_ROBOT = ("balancer", "energy", "optimiser")
 SMALL_ROBOT_BAR = 15 * 1024  # B
-SKID_STEER = ("skid-steered robot", "skid steer: energy, learner")
+SKID_STEER = ("skid steer: control, robot", "skid steer: odometry", "skid steer: energy", "skid steer: learner")
 SKID_STEER_BAR = 12 * 1024  # B
 
 # Their owner provides the memory; without the planner's block.
@@ -169,9 +171,10 @@ def tabulate(folders, modules):
 
 def figures(table):
     rows = (("flash: balancer + energy + optimiser", SMALL_ROBOT_BAR),
-            ("flash: skid steer, control and energy", SKID_STEER_BAR), ("RAM: struct jp_robot", ROBOT_BAR))
+            ("flash: skid steer, control and energy", SKID_STEER_BAR), *((f"flash: {module}", None) for module in SKID_STEER),
+            ("RAM: struct jp_robot", ROBOT_BAR))
     for row, bar in rows:
-        if BAR_CORE in table[row]:
+        if BAR_CORE in table.get(row, {}):
             yield core_numbers.figure(f"{BAR_CORE}, -Os: {row}", table[row][BAR_CORE], "B", bar, "make size")
 
 

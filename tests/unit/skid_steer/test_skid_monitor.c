@@ -131,6 +131,13 @@ static uint16_t watch(unsigned calls)
     return faults;
 }
 
+/** The left wheel, in each tick, at a rate. */
+static void roll(jp_turns_per_s rate)
+{
+    control.phase_per_rate = jp_phase_per_rate(500);
+    control.sides[JP_SKID_LEFT].rolled = jp_phase_step(rate, control.phase_per_rate);
+}
+
 static void test_wheels_at_rest_are_no_fault(void)
 {
     TEST_ASSERT_EQUAL_HEX16(0, watch(1000));
@@ -138,6 +145,7 @@ static void test_wheels_at_rest_are_no_fault(void)
 
 static void test_a_stalled_side_is_named(void)
 {
+    roll(0);
     motion.current[JP_SKID_LEFT] = config.stall_current;
     TEST_ASSERT_EQUAL_HEX16(0, watch(config.stall_calls - 1U));
     TEST_ASSERT_EQUAL_HEX16(JP_FAULT_STALLED_LEFT, watch(1));
@@ -152,9 +160,22 @@ static void test_a_side_that_turns_or_takes_less_is_not_stalled(void)
     motion.current[JP_SKID_LEFT] = config.stall_current - 1;
     TEST_ASSERT_EQUAL_HEX16(0, watch(2U * config.stall_calls));
     motion.current[JP_SKID_LEFT] = config.stall_current;
-    control.sides[JP_SKID_LEFT].rate = config.stall_rate;
-    control.sides[JP_SKID_RIGHT].rate = config.stall_rate;
+    roll(config.stall_rate);
     TEST_ASSERT_EQUAL_HEX16(0, watch(2U * config.stall_calls));
+    roll(-config.stall_rate);
+    TEST_ASSERT_EQUAL_HEX16(0, watch(2U * config.stall_calls));
+    roll(config.stall_rate - 1);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_STALLED_LEFT, watch(config.stall_calls));
+}
+
+/* The tracked rate goes along with a reference that a path has just changed. */
+static void test_a_changed_reference_turns_no_stalled_wheel(void)
+{
+    roll(0);
+    motion.current[JP_SKID_LEFT] = config.stall_current;
+    TEST_ASSERT_EQUAL_HEX16(0, watch(config.stall_calls - 1U));
+    control.sides[JP_SKID_LEFT].rate = 2 * config.stall_rate;
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_STALLED_LEFT, watch(1));
 }
 
 /** Both sides drive, and should take 0.8 A beside the friction. */
