@@ -88,11 +88,11 @@ static void test_a_place_behind_a_wall_is_none(void)
     TEST_ASSERT_FALSE(plans());
 }
 
-/* From the left edge of its cell it would come nearer to the wall at the centre; but it is there. */
+/* Its disc has room at the left edge of its cell and not at the centre, as that of a long robot along a wall; but it is
+ * there. */
 static void test_its_own_cell_needs_no_way(void)
 {
-    config.radius = JP_Q16(0.175);
-    config.margin = JP_Q16(0.1);
+    config.radius = JP_Q16(0.27);
     origin.point.x = AT * map.resolution + 10;
     put_column(AT + 3, 0, SIDE - 1, JP_CELL_OCCUPIED);
     init();

@@ -72,7 +72,6 @@ static enum jp_status survey_first_of_two(void)
 {
     const struct jp_place place = {centre(4, 4), 0};
 
-    many[0].end = centre(10, 4);
     many[1] = (struct jp_course_leg){.end = centre(16, 4), .is_stop = true};
     navigator.internal.course.internal.start = place.point;
     navigator.internal.course.count = 2;
@@ -98,6 +97,7 @@ static enum jp_status survey_one(void)
 /* 2 mm. */
 static void test_room_beside_the_line_is_for_what_leaves_it_by_more_than_little(void)
 {
+    many[0].end = centre(10, 4);
     robot.aside = JP_Q16(0.002);
     TEST_ASSERT_EQUAL_INT(JP_WORKING, survey_first_of_two());
     TEST_ASSERT_EQUAL_INT32(0, many[0].aside);
@@ -110,6 +110,7 @@ static void test_room_beside_the_line_is_for_what_leaves_it_by_more_than_little(
 static void test_looks_for_room_only_where_the_robot_needs_more(void)
 {
     put_column(7, 4, 4, JP_CELL_OCCUPIED);
+    many[0].end = centre(10, 4);
     robot.aside = JP_Q16(0.002);
     TEST_ASSERT_EQUAL_INT(JP_WORKING, survey_first_of_two());
     TEST_ASSERT_FALSE(many[0].is_stop);
@@ -135,21 +136,22 @@ static jp_q16 margin_of_first(void)
 }
 
 /* The room that it has when it comes near the wall head on; how far it went beyond in an earlier course is no matter.
- */
+ * The map is looked at by thousandths of a cell: one of these ends is at the edge of one. */
 static void test_takes_a_corner_with_just_the_room(void)
 {
     put_column(13, 0, SIDE - 1, JP_CELL_OCCUPIED);
-    many[0].end = centre(10, 4);
-    many[0].aside = JP_Q16(0.003);
-    many[0].margin = margin_of_first();
-    robot.aside = JP_Q16(0.003);
-    many[0].beyond = JP_Q16(0.5);
-    TEST_ASSERT_EQUAL_INT(JP_WORKING, survey_first_of_two());
-    TEST_ASSERT_FALSE(many[0].is_stop);
-    many[0].margin++;
-    TEST_ASSERT_EQUAL_INT(JP_WORKING, survey_first_of_two());
-    TEST_ASSERT_TRUE(many[0].is_stop || many[1].is_stop);
-    TEST_ASSERT_FALSE(navigator.internal.survey.has_begun);
+    for (jp_q16 step = 0; step <= map.resolution / 1000; step++) {
+        many[0] = (struct jp_course_leg){.end = {centre(10, 4).x + step, centre(10, 4).y}, .aside = JP_Q16(0.003)};
+        many[0].margin = margin_of_first();
+        many[0].beyond = JP_Q16(0.5);
+        robot.aside = JP_Q16(0.003);
+        TEST_ASSERT_EQUAL_INT(JP_WORKING, survey_first_of_two());
+        TEST_ASSERT_FALSE(many[0].is_stop);
+        many[0].margin += map.resolution / 1000 + 1;
+        TEST_ASSERT_EQUAL_INT(JP_WORKING, survey_first_of_two());
+        TEST_ASSERT_TRUE(many[0].is_stop);
+        TEST_ASSERT_FALSE(navigator.internal.survey.has_begun);
+    }
 }
 
 /* At its slowest a robot goes beyond its stand by a fifth of what it does else. */
