@@ -76,7 +76,8 @@ struct jp_motor_sample {
 /** One sensor, as estimated. */
 struct jp_current_estimate {
     jp_q16 offset;           /**< A: measured at no current, to be subtracted */
-    jp_q16 offset_deviation; /**< standard deviation, A; INT32_MAX: not estimated yet, offset is 0 */
+    jp_q16 offset_deviation; /**< standard deviation, A; INT32_MAX: not since the start, when offset is 0, or
+                                  the last sudden change */
     jp_q16 gain;             /**< ±4 */
     jp_q16 gain_deviation;   /**< standard deviation */
 };

@@ -231,12 +231,17 @@ static int64_t square_of_share(jp_q16 offset, jp_q16 share)
     return jp_multiply(offset / share, offset / share);
 }
 
-/** Takes one more difference between what is measured and what is estimated. True: it has for a short while been too
- *  large for chance. */
+/** Takes one more difference between what is measured and what is estimated, once something is. True: it has for a
+ * short while been too large for chance. */
 static bool watch_difference(struct jp_current_motor *motor, const struct jp_current_check_config *config,
                              jp_q16 expected, jp_q16 measured)
 {
     const struct jp_current_estimate *estimate = &motor->estimate;
+
+    if (estimate->offset_deviation == INT32_MAX) {
+        return false;
+    }
+
     const int64_t of_gain = jp_multiply_shift(expected, estimate->gain_deviation, 16);
     const int64_t of_mean = (int64_t)estimate->offset_deviation * SHORT_DEVIATIONS;
     const int64_t margin = ((of_gain < 0 ? -of_gain : of_gain) + of_mean) * JP_CURRENT_DEVIATIONS;
@@ -253,6 +258,7 @@ static void forget(struct jp_current_motor *motor)
 {
     motor->moments = (struct jp_current_moments){.count = 0};
     motor->parted = 0;
+    motor->estimate.offset_deviation = INT32_MAX;
     motor->estimate.gain_deviation = JP_CURRENT_DEVIATION_MAX;
     motor->offset.samples = 0;
     motor->gain.samples = 0;

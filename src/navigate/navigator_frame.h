@@ -29,7 +29,7 @@ jp_angle jp_frame_leg_direction(const struct jp_navigator *navigator, unsigned l
 /** A point as seen along a leg from its end: x ahead, beyond the end, and y to the left of the line. */
 struct jp_point jp_frame_along_leg(const struct jp_navigator *navigator, unsigned leg, const struct jp_point *point);
 
-/** The nearest one of the headings in a set of a lattice, which is not empty. */
+/** The nearest one of the headings in a set of a lattice, which is not empty; of two as near the first. */
 uint8_t jp_frame_nearest_heading(const struct jp_lattice *lattice, uint16_t headings, jp_angle heading);
 
 /** Where what is left of a leg begins: beside the robot. */

@@ -6,7 +6,8 @@
 #include <joulepath/navigator.h>
 
 /** The cell nearest to the goal that was asked for on which the robot can stand, among those from which its disc covers
- *  it; that goal itself where there is none. Work: a look for room at each of these cells and headings. */
+ *  it, and of cells as near the first of the lowest row; that goal itself where there is none. Work: a look for room at
+ *  each of these cells and headings. */
 struct jp_goal jp_navigator_choose_goal(const struct jp_navigator *navigator);
 
 #endif

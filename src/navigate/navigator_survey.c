@@ -109,7 +109,6 @@ static enum jp_status survey_leg(struct jp_navigator *navigator)
     leg->aside = extent.aside > ASIDE_MIN && survey->count > 1U ? extent.aside : 0;
     leg->beyond = 0;
     if (leg->aside > 0 && !jp_course_is_clear(&internal->course, index, &begin)) {
-        leg->aside = 0;
         return JP_ERR_INFEASIBLE;
     }
     leg->beyond = leg->is_stop ? extent.beyond : 0;
@@ -117,7 +116,7 @@ static enum jp_status survey_leg(struct jp_navigator *navigator)
         leg->beyond = 0;
         result = slow_down(survey, leg, extent.beyond <= navigator->config.margin);
     }
-    survey->done = (uint16_t)(survey->done + (result == JP_OK ? 1U : 0U));
+    survey->done = (uint16_t)(survey->done + 1U);
     return result;
 }
 

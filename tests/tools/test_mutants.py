@@ -120,6 +120,17 @@ def test_what_no_test_looks_at_survives(project):
     assert [row[0] for row in rows[1:]] == ["src/room/a.c", "src/room/a.h", "room:", "all:"]
 
 
+def test_the_record_keeps_the_rows_of_other_rooms(project):
+    page = project / "MUTANTS.md"
+    run_mutants(project, "--record", page)
+    assert "| `room` | all | all | " in page.read_text(encoding="utf-8")
+    result = run_mutants(project, "--record", page, "--room", "src/room", "--sample", "3", "--judges", "sum")
+    assert result.stdout.startswith("3 mutants of each room")
+    rows = [line.strip("| ").split(" | ") for line in page.read_text(encoding="utf-8").splitlines() if line.startswith("| `")]
+    assert [(row[0], row[1], row[2], row[-1]) for row in rows] == [
+        ("`room`", "all", "all", "100"), ("`src/room`", "3, seed 1", "sum", "95")]
+
+
 def test_what_is_listed_is_equivalent_and_what_is_not_needed_an_error(project):
     entry = "- file: src/room/a.c\n  function: a_sum\n  code: a > 100\n  becomes: {}\n  reason: nobody has 100\n"
     (project / "reviewed.yaml").write_text(entry.format("a >= 100") + entry.format("a > 7"), encoding="utf-8")

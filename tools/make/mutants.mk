@@ -45,15 +45,22 @@ MUTANT_FOLDER ?= $(BUILD)/mutants
 # Every so many mutants of each room instead of all: SAMPLE=200.
 SAMPLE ?=
 SEED   ?= 1
+# Of what is measured, a row in tests/proof/MUTANTS.md: RECORD=1.
+RECORD ?=
+# Only the unit tests of this folder judge, so that it is quicker and what is killed a lower bound: JUDGES=map.
+JUDGES ?=
+
+MUTANT_JUDGES = $(filter $(if $(JUDGES),$(basename $(notdir $(wildcard tests/unit/$(JUDGES)/*.c))),%),$(notdir $(MUTANT_TESTS)))
 
 .PHONY: mutants
 mutants: ## faults put into the rooms that can hurt someone, or into ROOM="balancer src/map …": which do the unit tests notice?
 	@tools/setup.sh test
 	@$(MAKE) $(PARALLEL) mutant_tests
 	$Q$(PYTHON) -m tools.measure.mutants $(CHOSEN_ROOMS) --jobs $(JOBS) $(if $(SAMPLE),--sample $(SAMPLE) --seed $(SEED)) \
+	    $(if $(RECORD),--record tests/proof/MUTANTS.md) $(if $(JUDGES),--judges $(JUDGES)) \
 	    --build $(BUILD)/host-mutants --counting $(BUILD)/host-coverage --folder $(MUTANT_FOLDER) --json $(BUILD)/bench/mutants.json \
 	    --flags '-std=c11 -Iinclude -I. -I$(UNITY) $(HOST)' --headers '$(shell gcc -print-file-name=include)' \
-	    $(foreach t,$(notdir $(MUTANT_HASHES)),--hash $t) $(notdir $(MUTANT_TESTS))
+	    $(if $(JUDGES),,$(foreach t,$(notdir $(MUTANT_HASHES)),--hash $t)) $(MUTANT_JUDGES)
 
 .PHONY: mutant_tests
 mutant_tests: $(MUTANT_TESTS) $(MUTANT_HASHES) $(call unit_programs,host-coverage) $(MUTANT_HASHES:$(BUILD)/host-mutants/%=$(BUILD)/host-coverage/%)

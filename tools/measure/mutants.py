@@ -34,7 +34,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from tools.common import EXIT_MISSED, ROOT, ArgumentParser, ToolError, print_aligned, run, whole_number, write_whole
 from tools.measure import mutations
-from tools.measure.proof_rooms import chosen_rooms
+from tools.measure.proof_rooms import chosen_rooms, critical_rooms
 from tools.measure.reviewed import Reviewed
 
 REVIEWED = ROOT / "tests/proof/mutants.yaml"
@@ -361,18 +361,49 @@ def marked(code, becomes):
     return f"{code[:start]}[{code[start:len(code) - end]} => {becomes[start:len(becomes) - end]}]{code[len(code) - end:]}"
 
 
+def total_of(files, counts):
+    total = Count()
+    for file in files:
+        total = total.plus(counts.get(file, Count()))
+    return total
+
+
 def print_table(rooms, counts):
     rows = [("file", "mutants", "killed", "by bits", "equivalent", "survived", "%")]
     every = Count()
     for room, files in rooms.items():
-        total = Count()
-        for file in files:
-            if file in counts:
-                rows.append(counts[file].row(file))
-                total = total.plus(counts[file])
+        rows += [counts[file].row(file) for file in files if file in counts]
+        total = total_of(files, counts)
         rows.append(total.row(f"{room}:"))
         every = every.plus(total)
     print_aligned([*rows, every.row("all:")])
+
+
+# ---- The record ------------------------------------------------------------------------------------------------------
+
+RECORD_HEAD = """# Mutants, room by room
+
+Made by `make mutants RECORD=1`, which changes the rows of the rooms that it judges. `mutants`: all, or a sample that was
+drawn at random. `judges`: all unit tests and those of equal bits, or the unit tests of one folder: then % is a lower
+bound. `by bits`: of the killed, those that only tests of equal bits notice. %: killed of those that are not equivalent.
+Bars: 100 % in the [rooms that can hurt someone](rooms.yaml), 95 % in the others.
+
+| room | mutants | judges | judged | killed | by bits | equivalent | survived | % | bar |
+|---|---|---|---|---|---|---|---|---|---|
+"""
+BAR, CRITICAL_BAR = 95, 100
+
+
+def record(path, rooms, counts, chosen, judges):
+    """Changes the rows of these rooms in a page; by which mutants, and which tests."""
+    text = path.read_text(encoding="utf-8") if path.exists() else ""
+    rows = {line.split(" | ")[0]: line for line in text.splitlines() if line.startswith("| `")}
+    critical = critical_rooms()
+    for room, files in rooms.items():
+        name, *numbers = total_of(files, counts).row(f"| `{room}`")
+        bar = CRITICAL_BAR if room in critical else BAR
+        rows[name] = " | ".join([name, chosen, judges, *numbers, f"{bar} |"])
+    write_whole(path, RECORD_HEAD + "".join(f"{row}\n" for _, row in sorted(rows.items())))
 
 
 def arguments():
@@ -390,6 +421,8 @@ def arguments():
     parser.add_argument("--sample", metavar="N", type=whole_number(1, 1000000), help="mutants of each room")
     parser.add_argument("--seed", metavar="N", type=whole_number(0, 2**32 - 1), default=1)
     parser.add_argument("--json", metavar="FILE", type=Path, help="the table, for programs")
+    parser.add_argument("--record", metavar="FILE", type=Path, help="the page with a row for each room")
+    parser.add_argument("--judges", metavar="NAME", default="all", help="what the tests are, for the page")
     parser.add_argument("--jobs", metavar="N", type=whole_number(1, 1024), default=1)
     return parser.parse_args()
 
@@ -441,6 +474,9 @@ def main():
     if options.json:
         write_whole(options.json, json.dumps({"seed": options.seed if options.sample else None, "files": {
             file: {**of.__dict__, "percent": of.percent()} for file, of in counts.items()}}, indent=1) + "\n")
+    if options.record:
+        sample = f"{options.sample}, seed {options.seed}" if options.sample else "all"
+        record(options.record, rooms, counts, sample, options.judges)
     return EXIT_MISSED if problems else 0
 
 

@@ -220,6 +220,8 @@ static void test_finds_an_offset_while_the_robot_stands(void)
     expect_offset(&left, &check.left.estimate, JP_Q16(0.1), JP_CURRENT_OFFSET_LEFT);
     start();
     expect_offset(&right, &check.right.estimate, JP_Q16(-0.5), JP_CURRENT_OFFSET_RIGHT);
+    start();
+    expect_offset(&right, &check.right.estimate, JP_Q16(-5), JP_CURRENT_OFFSET_RIGHT);
 }
 
 static void test_an_offset_from_the_start_has_a_name_soon(void)

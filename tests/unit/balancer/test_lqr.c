@@ -389,3 +389,31 @@ static void test_the_motion_leaves_the_reserve_to_pitch(void)
     update(JP_Q16(6));
     expect(JP_Q16(0), JP_Q16(4), true);
 }
+
+/* Nothing is left for the way; what keeps it upright is left for balance. */
+static void test_a_limit_within_the_reserve_leaves_no_voltage_for_the_way(void)
+{
+    config.pitch_reserve = JP_Q16(2);
+    config.wheel = JP_Q16(10);
+    start();
+    for (int side = -1; side <= 1; side += 2) {
+        reference.wheel.angle = (jp_phase)(side * TURN);
+        update(JP_Q16(2));
+        expect(0, 0, true);
+    }
+}
+
+/* The least error, too. */
+static void test_no_error_is_integrated_that_the_limit_holds_back(void)
+{
+    config.wheel_integral = JP_Q16(1);
+    config.wheel = JP_Q16(1);
+    start();
+    for (int side = -1; side <= 1; side += 2) {
+        reference.wheel.angle = (jp_phase)(side * ((int64_t)1 << 32));
+        reference.common = side * JP_Q16(20);
+        update(JP_Q16(10));
+        TEST_ASSERT_TRUE(voltages.saturated);
+        TEST_ASSERT_EQUAL_INT64(0, lqr.wheel_integral);
+    }
+}

@@ -134,6 +134,36 @@ static void test_no_lead_where_nothing_moves(void)
     }
 }
 
+/* However far ahead. */
+static void test_no_lead_before_a_leg_begins(void)
+{
+    error.cruise = JP_Q24(2);
+    begin(0, 0);
+    drive(100, JP_Q24(1), JP_Q24(0.25), JP_Q24(100));
+    TEST_ASSERT_EQUAL_UINT64(0, error.lead);
+}
+
+/* It takes the steering to turn. */
+static void test_no_lead_without_steering(void)
+{
+    config.steering = 0;
+    jp_path_error_begin_leg(&error, JP_Q24(1));
+    drive(1, JP_Q24(1), JP_Q24(0.25), JP_Q24(100));
+    TEST_ASSERT_EQUAL_INT32(0, reference.yaw_lead);
+}
+
+/* What it is ahead, turned by a path's turn, is beside the path: by 2π to a part in a thousand millions. */
+static void test_radians_are_exact(void)
+{
+    const struct jp_set_point at = {.yaw_rate = -JP_Q24(1)};
+
+    config.steering = 0;
+    reference.phase_per_rate = 160000000; /* a tick of 1/27 s; × 4π: 2 010 619 298.3 */
+    motion.wheel = JP_PHASE_TURN;
+    jp_path_error_correct(&error, &config, &at, &motion, &reference);
+    TEST_ASSERT_EQUAL_INT64((int64_t)2010619298 * JP_Q24_ONE, (int64_t)error.across);
+}
+
 /* 1/8 turn, however far ahead; and never turns faster with it than the robot may. */
 static void test_the_lead_is_limited(void)
 {

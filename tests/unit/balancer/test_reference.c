@@ -247,6 +247,29 @@ static void test_a_step_that_waits_is_replaced_by_the_next(void)
     expect_rate(config.turns_per_metre / 2, 40);
 }
 
+/* The least rate is a direction. */
+static void test_the_slowest_motion_has_a_direction(void)
+{
+    const struct jp_reference_step forward = {.wheel_rate = 1};
+    const struct jp_reference_step backward = {.wheel_rate = -1};
+
+    config.rest_ticks = 20;
+    start(0, 0);
+    jp_reference_apply(&reference, &forward);
+    run(5);
+    step(JP_Q24(1), 0, 0);
+    TEST_ASSERT_GREATER_THAN_INT32(0, reference.wheel.target_rate);
+    run(5);
+    jp_reference_apply(&reference, &forward);
+    TEST_ASSERT_EQUAL_INT32(1, reference.wheel.target_rate);
+    jp_reference_apply(&reference, &backward);
+    TEST_ASSERT_EQUAL_INT32(0, reference.wheel.target_rate);
+    run(20);
+    TEST_ASSERT_EQUAL_INT32(-1, reference.wheel.target_rate);
+    jp_reference_apply(&reference, &forward);
+    TEST_ASSERT_EQUAL_INT32(0, reference.wheel.target_rate);
+}
+
 static void test_without_a_rest_the_direction_changes_at_once(void)
 {
     config.rest_ticks = 0;

@@ -69,6 +69,32 @@ static void test_drives_along_a_field_without_a_search(void)
     TEST_ASSERT_EQUAL_UINT32(0, navigator.replans);
 }
 
+/* The lines come from the field: the planner has none. */
+static void test_its_course_is_of_the_field(void)
+{
+    start(LIMIT);
+    grow();
+    go();
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_TURNING));
+    TEST_ASSERT_EQUAL_PTR(&field, navigator.internal.course.internal.field);
+}
+
+/* What it drove before is not driven again instead. */
+static void test_a_field_that_is_begun_anew_while_it_joins_is_given_up(void)
+{
+    start(LIMIT);
+    grow();
+    go();
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    robot.view.position = (struct jp_point){0, 0};
+    go();
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_JOINING));
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_FIELD, navigator.internal.search);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_pose_field_start(&field, JP_POSE_FIELD_TO_ROOT, goal.x, goal.y, goal.headings, 1));
+    work(1, JP_NAVIGATOR_PLANNING);
+    TEST_ASSERT_NULL(navigator.internal.field);
+}
+
 static void test_waits_until_the_robot_has_stood_for_its_patience(void)
 {
     config.patience = 10U * config.slice;
@@ -86,7 +112,7 @@ static void test_a_robot_that_sways_waits_anew(void)
     grow();
     go();
     work(9, JP_NAVIGATOR_PLANNING);
-    robot.view.position.x += JP_Q16(0.0029);
+    robot.view.position.x += JP_Q16(0.003);
     robot.view.position.y = 0;
     work(1, JP_NAVIGATOR_JOINING);
 

@@ -256,3 +256,32 @@ static void test_wheels_that_spin_contradict_the_gyro(void)
     turn(0, -config.spin_rate);
     TEST_ASSERT_EQUAL_HEX16(0, watch(500));
 }
+
+/** Without a low-pass: each side should take so much of the ground, and takes so much. */
+static uint16_t take(jp_q16 expected, jp_q16 left, jp_q16 right)
+{
+    config.smoothing = INT32_MAX;
+    start();
+    carry(config.friction + left, config.friction + right, false);
+    for (int side = 0; side < JP_SKID_SIDES; side++) {
+        control.sides[side].load = config.friction + expected;
+    }
+    return watch(config.contradicted_calls);
+}
+
+/* Less than a quarter of it is free, more than a half carries. */
+static void test_what_a_side_carries_has_limits(void)
+{
+    const jp_q16 expected = 4 * config.carried;
+
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_WHEEL_IN_AIR, take(expected, expected / 4 - 1, expected / 2 + 1));
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_WHEEL_IN_AIR, take(expected, expected / 2 + 1, expected / 4 - 1));
+    TEST_ASSERT_EQUAL_HEX16(0, take(expected, expected / 4, expected / 2 + 1));
+    TEST_ASSERT_EQUAL_HEX16(0, take(expected, expected / 4 - 1, expected / 2));
+}
+
+static void test_the_least_burden_is_judged(void)
+{
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_WHEEL_IN_AIR, take(config.carried, 0, config.carried));
+    TEST_ASSERT_EQUAL_HEX16(0, take(config.carried - 1, 0, config.carried));
+}
