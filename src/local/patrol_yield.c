@@ -465,12 +465,6 @@ static struct jp_plane_pose pose_after(const struct jp_patrol *patrol, float wan
     return jp_plane_compose(&patrol->pose, &step);
 }
 
-/* From which it stops within a way. */
-static float speed_within(const struct jp_patrol_config *config, float way)
-{
-    return jp_patrol_stopping_speed(config, config->people.braking, jp_plane_larger(way, 0.0f));
-}
-
 /* The nearer something is on its way, the slower: it could stop before it came nearer than in a turn on the spot. What
  * it passes at the same distance does not slow it. */
 static void heed_clearance(struct jp_patrol *patrol)
@@ -482,17 +476,20 @@ static void heed_clearance(struct jp_patrol *patrol)
         return;
     }
 
+    const float braking = jp_patrol_braking(config, wanted, patrol->internal.command.turn_rate);
     const float delay = config->latency + 0.5f * config->period;
-    const float way = wanted * (delay + 0.5f * wanted / config->people.braking);
+    const float way = wanted * (delay + 0.5f * wanted / braking);
     const struct jp_plane_pose stopped = pose_after(patrol, wanted, way);
     const float here = jp_patrol_clearance(patrol, &patrol->pose);
     const float nearer = here - jp_patrol_clearance(patrol, &stopped);
 
     if (nearer > 0.0f) {
-        slow_down(
-            patrol, wanted,
-            jp_plane_larger(speed_within(config, way * (here - CLEARANCE) / nearer),
-                            jp_plane_smaller(speed_within(config, way * (here - CLEARANCE_MIN) / nearer), CREEP)));
+        const float whole = jp_plane_larger(way * (here - CLEARANCE) / nearer, 0.0f);
+        const float least = jp_plane_larger(way * (here - CLEARANCE_MIN) / nearer, 0.0f);
+
+        slow_down(patrol, wanted,
+                  jp_plane_larger(jp_patrol_stopping_speed(config, braking, whole),
+                                  jp_plane_smaller(jp_patrol_stopping_speed(config, braking, least), CREEP)));
     }
 }
 

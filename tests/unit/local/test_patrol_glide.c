@@ -426,11 +426,32 @@ static void test_a_glide_that_cannot_stop_well_slows_down(void)
     TEST_ASSERT_TRUE(jp_plane_length(patrol.internal.command.forward, patrol.internal.sideways) < 0.5f);
 }
 
-/* It would touch the wall. */
-static void test_a_glide_that_cannot_stop_stops(void)
+/* Stopping with its wheels as they are it would touch the wall, which the glide leads along. */
+static void test_a_glide_that_turns_to_a_wall_brakes_along_its_way(void)
 {
     glide_beside_wall(0.5f, 0.8f, 1.5f);
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(jp_plane_length(patrol.internal.command.forward, patrol.internal.sideways) < 0.8f);
+    TEST_ASSERT_TRUE(patrol.internal.command.turn_rate < 1.5f);
+}
+
+/* It would touch what it leads to before it stands. */
+static void test_a_glide_that_cannot_stop_stops(void)
+{
+    rig_wall(0.7f, -2.0f, 0.7f, 2.0f);
+    glide_beside_wall(0.5f, 0.8f, 1.5f);
     rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+}
+
+/* A post beside the goal: the robot could stand there, but within 0.1 m of it, and could turn there instead. */
+static void test_a_glide_into_a_goal_keeps_room_at_its_end(void)
+{
+    const struct jp_plane_point near = {3.3f, -0.45f};
+    const struct jp_plane_point far = {3.4f, -0.65f};
+
+    TEST_ASSERT_FALSE(begins_glide_beside(&near, 2.2f, 2.5f, 0.0f));
+    rig_reset();
+    TEST_ASSERT_TRUE(begins_glide_beside(&far, 2.2f, 2.5f, 0.0f));
 }
 
 /* What it would meet is farther than it takes to stop, but it stands already. */
