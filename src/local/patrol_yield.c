@@ -354,15 +354,17 @@ static struct yield_outlook look_along(const struct jp_patrol *patrol, const str
 {
     struct yield_outlook outlook = {true, JP_OBSTACLE_NONE};
     float before = profile->now;
+    float past = 0.0f;
     float way = 0.0f;
 
     for (unsigned i = 1; i <= STEPS && STEP * (float)(i - 1U) < horizon; i++) {
-        const float time = STEP * (float)i;
+        const float time = jp_plane_smaller(STEP * (float)i, horizon);
         const float planned = course->speed[index_at(course, way)];
         const float speed = jp_plane_smaller(speed_after(profile, time), planned);
 
-        way += 0.5f * STEP * (speed + before);
+        way += 0.5f * (time - past) * (speed + before);
         before = speed;
+        past = time;
 
         const struct jp_plane_pose pose = pose_at(course, way);
 
@@ -397,12 +399,14 @@ static float speed_of(const struct jp_patrol *patrol, float forward, float sidew
     return jp_plane_length(forward, sideways) + reach_of(&patrol->config.teb.footprint) * jp_plane_magnitude(turn_rate);
 }
 
-/* How near it comes to people until it has stood for a rest; one that stands already is not asked to do anything. */
+/* How near it comes to people until it has stood for a rest, the notice apart that keeps it from getting there; one
+ * that stands already is not asked to do anything. */
 static float nearest_if_braked(const struct jp_patrol *patrol, const struct yield_course *course, float now)
 {
     const struct profile profile = {now, 0.0f, patrol->config.people.braking, patrol->config.latency};
 
-    return now < STANDING ? JP_OBSTACLE_NONE : look_along(patrol, course, &profile, time_to_rest(patrol, now)).nearest;
+    return now < STANDING ? JP_OBSTACLE_NONE
+                          : look_along(patrol, course, &profile, time_to_rest(patrol, now) - NOTICE).nearest;
 }
 
 /* Never less than it takes to be at rest after somebody has turned round. */
