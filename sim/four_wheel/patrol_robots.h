@@ -1,4 +1,4 @@
-/** The robots with four steered wheels whose tables are built in. */
+/** The robots with four steered wheels whose tables are built in. The Makefile writes the list. */
 #ifndef JOULEPATH_SIM_FOUR_WHEEL_PATROL_ROBOTS_H
 #define JOULEPATH_SIM_FOUR_WHEEL_PATROL_ROBOTS_H
 
@@ -13,6 +13,9 @@ struct patrol_robot_entry {
     const struct jp_four_wheel_energy_model *energy;
     const struct jp_factor_learning *learning;
 };
+
+/** The last has no name. */
+extern const struct patrol_robot_entry patrol_robots[];
 
 /** The robot of this name, or NULL. */
 const struct patrol_robot_entry *patrol_robot_built_in(const char *name);

@@ -1,4 +1,5 @@
-"""Robots of which nothing but the data sheet is given: designed, leant, and driven over their scenario; programs that fail."""
+"""Robots of which nothing but the data sheet is given: designed, leant, and driven over their scenario; robots of other kinds
+that no table knows, from file to drive; programs that fail."""
 import json
 from pathlib import Path
 
@@ -6,7 +7,8 @@ import pytest
 from conftest import ROOT
 
 from tools.common import ToolError
-from tools.design import robot_design, robot_trials
+from tools.design import balancer_design, four_wheel_design, robot_design, robot_json, robot_trials, skid_design
+from tools.design.robot_findings import Finding, Made, Making
 
 # Their files give no setting of the controller.
 DATA_SHEETS = ("hoverbot", "nxtway")
@@ -16,8 +18,8 @@ DATA_SHEETS = ("hoverbot", "nxtway")
 def making(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp(request.param)
     (folder / "tables").mkdir()
-    made = robot_design.Making(ROOT / f"sim/robots/{request.param}.cfg", folder)
-    robot_design.design_controller(made)
+    made = Making(ROOT / f"sim/robots/{request.param}.cfg", folder)
+    balancer_design.design_controller(made)
     return made
 
 
@@ -28,7 +30,7 @@ def test_their_files_give_data_sheets_alone(name):
 
 
 def test_it_comes_back_from_a_lean_and_stands(making):
-    found = robot_design.try_balance(making)
+    found = balancer_design.try_balance(making)
     assert found["lean_deg"] >= 10
     assert found["standing_lean_rms_deg"] < 0.2 and found["standing_wander_m"] < 0.01
 
@@ -60,7 +62,7 @@ def test_a_program_that_fails_is_told_with_its_reason(command, reason):
 
 
 def finding(value, met):
-    return robot_design.Finding("lean", value, "°", "≥ 10", met, "stronger motors")
+    return Finding("lean", value, "°", "≥ 10", met, "stronger motors")
 
 
 def made_of(findings):
@@ -68,23 +70,20 @@ def made_of(findings):
     class Robot:
         name = "mine"
 
-    return lambda making: (Robot(), findings, [robot_trials.Drive(10.0, 10.1, 5.0, 0.001)] * 3, [
-        {"outcome": "done", "measured_j": 10.0, "predicted_j": 9.0, "std_j": 1.0, "inside": True}])
+    trip = {"outcome": "done", "measured_j": 10.0, "predicted_j": 9.0, "std_j": 1.0, "inside": True}
+    return lambda making: Made(Robot(), findings, "Drives.", [robot_trials.Drive(10.0, 10.1, 5.0)] * 3, trips=[trip],
+                               pictures=[("Step", "What it shows.", making.folder / "step.png")])
 
 
 @pytest.mark.parametrize("met", [True, False])
 def test_tables_are_installed_only_when_the_robot_is_good(met, tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("JP_BUILD", str(tmp_path))
-    monkeypatch.setattr(robot_design, "work", made_of([finding(12.0, True), finding(9.0, met)]))
+    monkeypatch.setattr(robot_design, "make", made_of([finding(12.0, True), finding(9.0, met)]))
     monkeypatch.setattr("sys.argv", ["robot_design", str(tmp_path / "mine.cfg"), "--tables", str(tmp_path / "tables")])
     made = tmp_path / "robot/mine"
     (made / "tables").mkdir(parents=True)
-    (made / "identify").mkdir()
     (made / "tables/robot_mine.c").write_text("a table")
-    for suffix in ("", "_battery"):
-        (made / f"identify/identification{suffix}.png").write_bytes(b"a picture")
-    for step in ("horizon", "learning"):
-        (made / f"{step}_mine.png").write_bytes(b"a picture")
+    (made / "step.png").write_bytes(b"a picture")
     assert robot_design.main() == (0 if met else 1)
     said = capsys.readouterr().out
     page = Path(made / "report.html").read_text()
@@ -95,3 +94,63 @@ def test_tables_are_installed_only_when_the_robot_is_good(met, tmp_path, monkeyp
     else:
         assert not (tmp_path / "tables").exists()
         assert said.strip().endswith("mine: lean 9 °, must be ≥ 10: stronger motors")
+
+
+# ---- Other kinds ----
+
+# Of a kind's robot, what makes it another one that no table knows.
+OTHERS = {
+    "skid": ("zhang2018", {"length_m = 0.9": "length_m = 0.7", "mass_kg = 92.0": "mass_kg = 60.0",
+                           "yaw_inertia_kg_m2 = 9.97": "yaw_inertia_kg_m2 = 4.9", "friction = 0.69": "friction = 0.8"}),
+    "wheels": ("patrol", {"mass_kg = 45.0": "mass_kg = 64.5", "inertia_kg_m2 = 3.75": "inertia_kg_m2 = 4.27",
+                          "length_m = 0.80": "length_m = 0.738", "width_m = 0.60": "width_m = 0.50"}),
+}
+
+
+def robot_file_of(kind, folder):
+    """The file of a robot of its own name."""
+    like, changes = OTHERS[kind]
+    text = (ROOT / f"sim/robots/{like}.cfg").read_text().replace(f'name = "{like}"', f'name = "{kind}"')
+    for number, other in changes.items():
+        assert text.count(number) == 1
+        text = text.replace(number, other)
+    path = folder / f"{kind}.cfg"
+    path.write_text(text)
+    return path
+
+
+def making_of(kind, folder):
+    (folder / "tables").mkdir()
+    return Making(robot_file_of(kind, folder), folder)
+
+
+def identified_with(monkeypatch, options):
+    """Identifies with fewer drives than a user would."""
+    called = robot_trials.called
+    monkeypatch.setattr(robot_trials, "called", lambda command, what, **more: called(
+        [*command, *options] if what.endswith("-identify") else command, what, **more))
+
+
+def test_a_skid_steered_robot_from_its_file_drives_as_foretold(tmp_path, monkeypatch):
+    making = making_of("skid", tmp_path)
+    skid_design.design_controller(making)
+    identified_with(monkeypatch, ["--count=10", "--robots=22"])
+    assert skid_design.identify(making)["random_percent"]["mean"] < 10
+    program, = robot_trials.build(making.folder, "jp-mission")
+    found = robot_trials.drive(program, making.robot_file, making.folder, 2001, "battery")
+    assert abs(found.error) < 0.03 and found.end_miss < 0.02 * found.length
+
+
+def test_a_robot_with_four_steered_wheels_from_its_file_arrives(tmp_path):
+    making = making_of("wheels", tmp_path)
+    four_wheel_design.design_controller(making)
+    assert four_wheel_design.identify(making)["random_percent"]["mean"] < 3
+    program, = robot_trials.build(making.folder, "jp-patrol")
+    found = robot_trials.drive_scene(program, making.robot_file, making.folder, "doorway", 2001)
+    assert found.arrived and found.clearance > 0.01 and found.miss < 0.05
+
+
+def test_each_kind_of_robot_has_its_design():
+    for robot, design in (("courier24", balancer_design), ("burger", skid_design), ("zhang2018", skid_design),
+                          ("patrol", four_wheel_design)):
+        assert robot_design.KINDS[robot_json.load_any(robot_json.robot_path(robot)).type] is design

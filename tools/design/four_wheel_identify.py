@@ -205,6 +205,7 @@ def main():
     identification.show(result, learning, four_wheel_model.NAMES)
     print(f"noise of a leg {learning.noise:.3g} J and {100 * learning.noise_relative:.3g} %, of single ones "
           f"{learning.spread:.3g} times that")
+    identification.write_errors(directory, result, learning)
     identification.refuse_what_misses(result, directory, "look at the robot file's drive and steering")
     exponent = identification.unit_exponent(result.model)
     identification.write_tables(options.tables, {f"four_wheel_energy_{name}": energy_table(name, result, exponent, numbers),

@@ -176,6 +176,15 @@ def show(result, learning, names):
     print_aligned([("errors, %", "mean", "worst"), *((name, percent(errors), worst_percent(errors)) for name, errors in rows)])
 
 
+def write_errors(directory, result, learning):
+    """What show() prints of errors, as identification.json."""
+    rows = {"designed_percent": result.fit, "random_percent": result.check, "untaught_percent": learning.untaught,
+            "taught_percent": learning.taught}
+    errors = {name: {"mean": 100 * float(np.abs(row).mean()), "worst": 100 * float(np.abs(row).max())}
+              for name, row in rows.items()}
+    write_whole(directory / "identification.json", json.dumps(errors, indent=2) + "\n")
+
+
 # ---- The program -----------------------------------------------------------------------------------------------------
 
 def arguments(description, program):

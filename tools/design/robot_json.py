@@ -164,3 +164,11 @@ def load(path, jp_robot=None):
 def load_skid_steer(path, jp_robot=None):
     """The file of a robot that its sides steer by their speeds."""
     return skid_steer(load_any(path, jp_robot))
+
+
+def load_four_wheel(path, jp_robot=None):
+    """The file of a robot with four steered wheels."""
+    robot = load_any(path, jp_robot)
+    if robot.type != FOUR_WHEEL:
+        raise ToolError(f"{robot.source}: type: {robot.type} robot; needs a {FOUR_WHEEL}; give the file of one")
+    return robot

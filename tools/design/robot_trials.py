@@ -16,6 +16,8 @@ LEGS = 5
 LENGTHS = (1.0, 15.0)     # m
 TURN = math.radians(120)
 TIMEOUT = 900             # s, of a program
+ROUTES_DRIVEN = f"Random routes of {LEGS} legs that nothing was fitted to, before anything was learned."
+NOT_ARRIVED = 1           # exit status of jp-patrol, which says why in its results
 
 # Segments of experiments are as long as in the paper, or as this robot takes to settle.
 SEGMENT_S, SEGMENT_MARGIN = 10.0, 1.25
@@ -24,8 +26,8 @@ SETTLED_SHARE, SETTLING_STEP_S, SETTLING_MAX_S = 0.002, 0.02, 120.0
 SETTLED_V, SETTLED_SUPPLY_SHARE = 0.01, 1 / 2400
 
 
-def called(command, what):
-    """Output of a program that must succeed; its last line says why it did not."""
+def called(command, what, accepted=(0,)):
+    """Output of a program that must end with an accepted status; its last line says why it did not."""
     # A make that calls this has its own jobs and targets.
     environment = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
     try:
@@ -35,7 +37,7 @@ def called(command, what):
         raise ToolError(f"{what}: {command[0]}: {error.strerror}") from None
     except subprocess.TimeoutExpired:
         raise ToolError(f"{what}: {command[0]} takes more than {TIMEOUT} s") from None
-    if result.returncode != 0:
+    if result.returncode not in accepted:
         lines = [line for line in (result.stderr or result.stdout).splitlines() if line.strip()] or ["no reason given"]
         raise ToolError(f"{what}: {lines[-1]}")
     return result.stdout
@@ -44,6 +46,12 @@ def called(command, what):
 def tool(name, *arguments):
     """Another tool of this folder."""
     return called([sys.executable, "-m", f"tools.design.{name}", *arguments], name)
+
+
+def clear_tables(folder):
+    """Those of an earlier attempt."""
+    for path in folder.glob("*.c"):
+        path.unlink()
 
 
 def build(folder, *programs):
@@ -94,11 +102,10 @@ def draw_points(generator):
 
 @dataclass(frozen=True)
 class Drive:
-    """Of a route, by cruise and transients."""
+    """What was foretold, and what it took."""
     forecast: float  # J, before the start
     driven: float    # J
     seconds: float
-    miss: float      # m, from the waypoint that it passed worst
 
     @property
     def error(self):
@@ -106,13 +113,47 @@ class Drive:
         return self.forecast / self.driven - 1
 
 
+@dataclass(frozen=True)
+class RouteDrive(Drive):
+    """By the first strategy."""
+    length: float    # m, straight from point to point
+    miss: float      # m, from the waypoint that it passed worst
+    end_miss: float  # m, from the last one as it stood
+
+
 def drive(program, robot_file, folder, seed, energy="motor"):
     """A random route."""
-    points = ", ".join(f"[{x:.3f}, {y:.3f}]" for x, y in draw_points(np.random.default_rng(seed)))
+    drawn = draw_points(np.random.default_rng(seed))
+    points = ", ".join(f"[{x:.3f}, {y:.3f}]" for x, y in drawn)
     scenario = folder / "route.cfg"
     write_whole(scenario, f'name = "route_{seed}";\nrobot = "{robot_file.resolve()}";\nenergy_model = "identified";\n'
                           f'energy = "{energy}";\nseed = {seed};\nwaypoints = ( {points} );\n')
     called([program, scenario, "--alone", "--output", folder / "route"], f"route {seed}")
     row = json.loads(read_text(folder / "route" / "summary.json"))["strategies"][0]
-    return Drive(row["forecast"]["energy_j"], row["total"]["measured_energy_j"], row["total"]["duration_s"],
-                 max(leg["passed_m"] for leg in row["segments"]))
+    return RouteDrive(row["forecast"]["energy_j"], row["total"]["measured_energy_j"], row["total"]["duration_s"],
+                      float(np.hypot(*np.diff(drawn, axis=0).T).sum()), max(leg["passed_m"] for leg in row["segments"]),
+                      row["segments"][-1]["end_error_m"])
+
+
+def drive_trips(folder, robot_file, count, seed):
+    """What jp-trip says of each: of robots that differ from their file, and have learned a little."""
+    program, = build(folder, "jp-trip")
+    lines = called([program, robot_file, f"--count={count}", f"--seed={seed}"], "jp-trip")
+    return [json.loads(line) for line in lines.splitlines()]
+
+
+@dataclass(frozen=True)
+class SceneDrive(Drive):
+    """Of a robot with four steered wheels, by the improved band."""
+    arrived: bool
+    clearance: float  # m, the least to anything
+    miss: float       # m, from the goal as it stood
+
+
+def drive_scene(program, robot_file, folder, scene, seed):
+    """Whether it arrives is for the caller to judge."""
+    called([program, scene, "--robot", robot_file, f"--seed={seed}", "--method=improved", "--output", folder / "scene"],
+           f"{scene}, seed {seed}", accepted=(0, NOT_ARRIVED))
+    row, = json.loads(read_text(folder / "scene" / "summary.json"))["methods"]
+    return SceneDrive(row["energy"]["forecast_j"], row["energy_j"], row["time_s"], row["outcome"] == "arrived",
+                      row["clearance_min_m"], row["position_error_m"])

@@ -187,6 +187,7 @@ def main():
     print(f"noise of a leg {learning.noise:.3g} J, {100 * learning.noise_relative:.3g} % of its energy and "
           f"{100 * learning.noise_slopes:.3g} % of the work of its slopes, of single ones {learning.spread:.3g} times that; "
           f"{100 * learning.inside:.3g} % inside")
+    identification.write_errors(directory, result, learning)
     identification.refuse_what_misses(result, directory, "lower limits.speed_m_s or limits.slope_deg")
     exponent = identification.unit_exponent(result.model)
     identification.write_tables(options.tables, {f"skid_energy_{name}": energy_table(name, result, exponent, numbers),

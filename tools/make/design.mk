@@ -11,7 +11,7 @@ tables: ## declare what is in src/tables/ in include/joulepath/tables.h
 .PHONY: robot
 robot: ## all tables of ROBOT=name from sim/robots/name.cfg, tried out; its report: build/robot/name/report.html
 	@tools/setup.sh design
-	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-robot
+	@$(MAKE) $(PARALLEL) $(addprefix $(BUILD)/bin/,jp-robot jp-lattice jp-skid-identify jp-patrol-config jp-four-wheel-identify)
 	@$(PYTHON) -m tools.design.robot_design $(ROBOT)
 
 .PHONY: gains

@@ -135,8 +135,8 @@ SCENE      ?= beside-obstacle
 SEED       ?= 1
 # By itself by several methods; or over BUS=in-process: map, goal and what it sees go to the firmware's application in
 # frames; pil: to the image in QEMU.
-PATROL.           = $(BUILD)/bin/jp-patrol
-PATROL.in-process = $(BUILD)/bin/jp-patrol --bus in-process
+PATROL.           = $(BUILD)/bin/jp-patrol --robot $(PATROL_ROBOT)
+PATROL.in-process = $(BUILD)/bin/jp-patrol --robot $(PATROL_ROBOT) --bus in-process
 PATROL.pil        = tools/operate/patrol_in_qemu.sh $(PATROL_ROBOT)
 PATROL_ROBOT      = $(if $(filter file,$(origin ROBOT)),patrol,$(ROBOT))
 PATROL_MAP  = $(if $(filter file,$(origin MAP)),,$(MAP))

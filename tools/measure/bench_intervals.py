@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from tools.common import ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, shown_path, whole_number, write_whole
-from tools.design import robot_design, robot_json, robot_trials
+from tools.design import balancer_design, robot_json, robot_trials
+from tools.design.robot_findings import Making
 from tools.measure import bench_robots, progress, random_robots
 from tools.measure.figure_store import write_tables
 
@@ -56,14 +57,14 @@ def strong_robots(build):
 def make_tables(making):
     """As make robot does; missions drive legs, which need no transients of segments."""
     robot = robot_json.load(making.robot_file)
-    robot_design.design_controller(making)
-    robot_design.identify(making, robot, robot_design.try_balance(making)["standing_voltage_rms_v"])
-    robot_design.make_learning(making)
+    balancer_design.design_controller(making)
+    balancer_design.identify(making, robot, balancer_design.try_balance(making)["standing_voltage_rms_v"])
+    balancer_design.make_learning(making)
 
 
 def prepare(robot_file, build):
     """The program that drives missions by tables that were made for it."""
-    making = robot_design.Making(robot_file, folder_of(build, robot_file.stem))
+    making = Making(robot_file, folder_of(build, robot_file.stem))
     make_tables(making)
     program, = robot_trials.build(making.folder, "jp-trip")
     return program, robot_file

@@ -10,9 +10,10 @@ die() {
 
 [ $# -ge 2 ] || die "usage: tools/operate/patrol_in_qemu.sh ROBOT SCENE [options of jp-patrol]"
 build=${JP_BUILD:-$(dirname "$0")/../../build}
-image=$build/firmware/$1/emulated.elf
-[ -e "$image" ] || die "$image: is not there; run make $image"
+robot=$1
 shift
+image=$build/firmware/$robot/emulated.elf
+[ -e "$image" ] || die "$image: is not there; run make $image"
 
 log=$(mktemp) || die "no room for a temporary file"
 trap 'kill $(jobs -p) 2>/dev/null; wait; rm -f "$log"' EXIT
@@ -23,4 +24,4 @@ for _ in $(seq 100); do
     sleep 0.05
 done
 [ -n "$line" ] || die "$(tail -n 1 "$log")"
-"$build/bin/jp-patrol" "$@" --bus "slcan:$line"
+"$build/bin/jp-patrol" --robot "$robot" "$@" --bus "slcan:$line"

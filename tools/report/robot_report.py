@@ -50,14 +50,13 @@ def headlines(findings):
     return [(f"{finding.value:.3g} {finding.unit}", finding.name) for finding in findings if finding.bar]
 
 
-def render(robot, findings, drives, trips, validations):
-    """The page as text. validations: the picture of each step that makes a table, by the step's name and what it shows."""
-    figures = [
-        ("Forecasts", "Random routes of five legs that nothing was fitted to, before anything was learned.",
-         draw_forecasts(drives)),
-        ("Intervals", "Robots that differ from the file in ground, payload and motors drive, learn, and forecast the rest "
-                      "of their way.", draw_intervals(trips)),
-        *((name, shown, embedded(path)) for name, shown, path in validations),
-    ]
-    return render_page("robot.html.j2", summary={"robot": robot.name}, headlines=headlines(findings), findings=findings,
-                       figures=figures, is_good=all(finding.is_met for finding in findings), format_number=format_number)
+def render(made):
+    """The page about a robot_findings.Made as text."""
+    figures = [("Forecasts", made.driven, draw_forecasts(made.drives))]
+    if made.trips:
+        figures.append(("Intervals", "Robots that differ from the file in ground, payload and motors drive, learn, and forecast "
+                                     "the rest of their way.", draw_intervals(made.trips)))
+    figures += [(name, shown, embedded(path)) for name, shown, path in made.pictures]
+    return render_page("robot.html.j2", summary={"robot": made.robot.name}, headlines=headlines(made.findings),
+                       findings=made.findings, figures=figures, is_good=all(finding.is_met for finding in made.findings),
+                       format_number=format_number)
