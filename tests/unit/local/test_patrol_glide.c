@@ -430,10 +430,18 @@ static void test_a_glide_that_cannot_stop_well_slows_down(void)
 /* Stopping with its wheels as they are it would touch the wall, which the glide leads along. */
 static void test_a_glide_that_turns_to_a_wall_brakes_along_its_way(void)
 {
-    glide_beside_wall(0.6f, -0.6f, 0.8f, 1.5f);
+    glide_beside_wall(0.85f, 0.6f, 0.8f, 1.5f);
     rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
     TEST_ASSERT_TRUE(jp_plane_length(patrol.internal.command.forward, patrol.internal.sideways) < 0.8f);
     TEST_ASSERT_TRUE(patrol.internal.command.turn_rate < 1.5f);
+}
+
+static void test_so_does_a_glide_into_the_goal(void)
+{
+    patrol.internal.is_gliding_to_goal = true;
+    glide_beside_wall(0.85f, 0.6f, 0.8f, 1.5f);
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(jp_plane_length(patrol.internal.command.forward, patrol.internal.sideways) < 0.8f);
 }
 
 /* It would touch what it leads to before it stands. */
