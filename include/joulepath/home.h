@@ -19,11 +19,12 @@
  * its first course: planning, waits at stands, ways round what the map did not show; and how far drives differ in that.
  * Drives out lead over ground that the robot has not seen, those home along what it drove: each kind has a factor of
  * its own (jp_home_learned). The way home is so much dearer, and so much less sure. What disturbs a drive adds up along
- * it, one thing independent of the other, so that the variance grows with the way, and its share of the way falls. The
- * robot goes on as long as that is at least `confidence` where it is, however far the goal may be, so that what it
- * learns on its way counts. A change of the map
- * that blocks the way home makes the field grow anew; until it has, the way home is the last one and what was spent
- * since.
+ * it, one thing independent of the other, so that the variance grows with the way, and its share of the way falls. Most
+ * drives take about as much as the mean and a few far more, round what is in the way: the deviation is that above the
+ * mean, and a trip that has not begun is taken to meet the same on its way out and home. The robot goes on as long as
+ * that is at least `confidence` where it is, however far the goal may be, so that what it learns on its way counts. A
+ * change of the map that blocks the way home makes the field grow anew; until it has, the way home is the last one and
+ * what was spent since.
  *
  * Integers only: the same bits on every core. Nothing here is for ISRs.
  */
@@ -82,8 +83,8 @@ struct jp_home_answer {
 struct jp_home_factor {
     jp_q16 mean;      /**< ½…2 */
     jp_q16 deviation; /**< of what is known of the mean; above 0, up to 0.1 */
-    jp_q16 noise; /**< deviation of a drive that takes as much as ten steps; of one that takes n² times as much it is
-                     an n-th of that; 1/64…1 */
+    jp_q16 noise; /**< deviation above the mean of a drive that takes as much as ten steps; of one that takes n² times
+                     as much it is an n-th of that; 1/64…2 */
 };
 
 /** Worth storing. */

@@ -37,6 +37,7 @@ struct jp_patrol_leg_result {
 struct jp_patrol_ledger {
     struct jp_four_wheel_learner learner;
     struct jp_patrol_pace pace;
+    float robot; /**< how many times as much plans take by what was learned of the robot since the start */
     struct jp_patrol_leg_forecast forecast; /**< of the leg that is driven, or was last */
     struct jp_patrol_leg_result result;     /**< of the last that came to its end */
     uint16_t begun;                         /**< legs, wrapping */
@@ -44,10 +45,10 @@ struct jp_patrol_ledger {
     uint32_t learned_from;                  /**< legs, saturating */
     uint32_t left_out;                      /**< legs, saturating */
     struct {
-        struct jp_four_wheel_drive driven; /* of the leg */
-        float modelled;                    /* its plan, without what is in the way, J */
-        jp_energy taken;                   /* of the leg so far */
-        jp_energy shown;                   /* by the meter at the end of the last stretch */
+        struct jp_four_wheel_drive driven;  /* of the leg */
+        struct jp_four_wheel_drive planned; /* without what is in the way */
+        jp_energy taken;                    /* of the leg so far */
+        jp_energy shown;                    /* by the meter at the end of the last stretch */
         bool has_shown;
         bool is_under_way;
     } internal;

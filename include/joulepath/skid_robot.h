@@ -126,6 +126,7 @@ struct jp_skid_follow {
     struct jp_path_drive drive;
     struct jp_path_set_point at;
     struct jp_motion motion; /**< that leads to it */
+    jp_q24 acceleration;     /**< of that, with the way back to the path */
     enum jp_skid_follow_part next;
 };
 

@@ -1,5 +1,5 @@
-/** The balancers and lattices built into the host programs: one for each src/tables/robot_<name>.c and lattice_<name>.c.
- *  The Makefile writes the lists, and those of the other kinds. */
+/** The balancers and lattices built into the host programs: one for each src/tables/robot_<name>.c and
+ * lattice_<name>.c. The Makefile writes the lists, and those of the other kinds. */
 #ifndef JOULEPATH_SIM_BALANCER_ROBOTS_H
 #define JOULEPATH_SIM_BALANCER_ROBOTS_H
 

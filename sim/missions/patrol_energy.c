@@ -37,14 +37,14 @@ static double metered(const struct patrol_energy *energy)
     return ldexp((double)energy->meter.energy, -32);
 }
 
-static double planned_on(const struct patrol_energy *energy, const struct jp_four_wheel_energy_model *model,
-                         const struct jp_patrol_config *config, const struct jp_patrol_plan *plan)
+static struct jp_four_wheel_drive planned_on(const struct jp_four_wheel_energy_model *model,
+                                             const struct jp_patrol_config *config, const struct jp_patrol_plan *plan)
 {
     struct jp_four_wheel_drive drive = {0};
     float duration = 0;
 
     (void)jp_patrol_plan_energy(config, model, plan, &drive, &duration);
-    return joules(energy, drive.energy);
+    return drive;
 }
 
 void patrol_energy_begin(struct patrol_energy *energy, size_t index, const struct jp_patrol_config *config,
@@ -57,9 +57,9 @@ void patrol_energy_begin(struct patrol_energy *energy, size_t index, const struc
     const struct jp_patrol_pace *const pace = &energy->paces[index];
     const double share = (double)jp_patrol_pace_deviation(pace->legs > 1 ? pace : &energy->pace);
 
-    energy->modelled = planned_on(energy, &energy->learner.model, config, plan);
-    energy->leg = (struct patrol_leg){.planned = planned_on(energy, energy->built_in, config, plan)};
-    energy->leg.forecast = energy->modelled * (double)jp_patrol_pace_factor(pace, all);
+    energy->planned = planned_on(&energy->learner.model, config, plan);
+    energy->leg = (struct patrol_leg){.planned = joules(energy, planned_on(energy->built_in, config, plan).energy)};
+    energy->leg.forecast = joules(energy, energy->planned.energy) * (double)jp_patrol_pace_factor(pace, all);
     energy->leg.deviation = share * energy->leg.forecast;
     energy->driven = (struct jp_four_wheel_drive){0};
     energy->at_start = metered(energy);
@@ -99,10 +99,17 @@ void patrol_energy_learn(struct patrol_energy *energy, size_t index)
     struct jp_patrol_pace *const pace = &energy->paces[index];
     const float all = jp_patrol_pace_factor(&energy->pace, 1);
     const jp_energy taken = (jp_energy)ldexp(energy->leg.driven, 32);
+    jp_q16 before[JP_FOUR_WHEEL_FACTORS];
+    jp_q16 after[JP_FOUR_WHEEL_FACTORS];
     enum jp_learned learned;
 
-    jp_patrol_pace_learn(pace, all, (float)energy->modelled, (float)energy->leg.driven);
-    jp_patrol_pace_learn(&energy->pace, 1, (float)energy->modelled, (float)energy->leg.driven);
+    jp_four_wheel_learner_factors(&energy->learner, before);
     (void)jp_four_wheel_learner_update(&energy->learner, &energy->driven,
                                        jp_energy_to_q16(taken, energy->built_in->unit_exponent), &learned);
+    jp_four_wheel_learner_factors(&energy->learner, after);
+    const float planned =
+        (float)joules(energy, energy->planned.energy) * jp_patrol_plan_ratio(&energy->planned, before, after);
+
+    jp_patrol_pace_learn(pace, all, planned, (float)energy->leg.driven);
+    jp_patrol_pace_learn(&energy->pace, 1, planned, (float)energy->leg.driven);
 }

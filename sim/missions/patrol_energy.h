@@ -28,10 +28,10 @@ struct patrol_energy {
     struct jp_patrol_pace paces[1 + PATROL_ROUND_MAX]; /**< of each leg of the round */
     struct jp_four_wheel_trip trip;
     struct jp_bus_meter meter;
-    struct jp_four_wheel_drive driven; /**< of the present leg */
-    double modelled;                   /**< its plan by the model as learned, J */
-    double at_start;                   /**< of the meter */
-    double last_battery;               /**< of the plant's ledger, J */
+    struct jp_four_wheel_drive driven;  /**< of the present leg */
+    struct jp_four_wheel_drive planned; /**< by the model as learned */
+    double at_start;                    /**< of the meter */
+    double last_battery;                /**< of the plant's ledger, J */
     double time_start;
     struct patrol_leg leg;
 };

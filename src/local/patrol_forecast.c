@@ -20,6 +20,9 @@
  * way. */
 #define GATE 2.0f
 
+/* Of what a plan takes, whatever is learned of the robot. */
+#define RATIO_MIN 0.25f
+
 #define TURN_PER_UNIT (2.0f * JP_PLANE_PI / 4294967296.0f)
 
 /* A leg that is summed up. */
@@ -172,6 +175,13 @@ static void drive_piece(struct planned_leg *leg, float length, float turned, flo
     leg->speed = next;
 }
 
+/* At a stand: what is asked of the wheels acts after the latency, and once a period. So the robot stands as it sets
+ * off, and creeps as long before it stops. */
+static void set_going(struct planned_leg *leg)
+{
+    add(leg, 0.0f, 0.0f, 0.0f, 0.0f, 2.0f * leg->config->latency + leg->config->period);
+}
+
 /* Direction of the path at its end. */
 static float drive(struct planned_leg *leg)
 {
@@ -180,6 +190,9 @@ static float drive(struct planned_leg *leg)
     float heading = direction_ahead(plan);
     struct jp_plane_point from = point_of(plan, 0);
 
+    if (left > SHORT) {
+        set_going(leg);
+    }
     for (uint16_t i = 1; i < plan->path_count; i++) {
         const struct jp_plane_point to = point_of(plan, i);
         const float length = jp_plane_length(to.x - from.x, to.y - from.y);
@@ -196,7 +209,7 @@ static float drive(struct planned_leg *leg)
     return heading;
 }
 
-static void arrive(struct planned_leg *leg, float heading)
+static void turn_to_goal(struct planned_leg *leg, float heading)
 {
     const struct jp_patrol_goal *const goal = &leg->plan->goal;
 
@@ -204,6 +217,20 @@ static void arrive(struct planned_leg *leg, float heading)
         const float off = jp_plane_magnitude(jp_plane_wrap(goal->pose.heading - heading));
 
         turn(leg, off > leg->config->heading_tolerance ? in_place_part(leg, off) : 0.0f);
+    }
+}
+
+/* Where it has no room to turn at the goal, its path ends before it: it has turned there, and drives straight in. */
+static void drive_in(struct planned_leg *leg)
+{
+    const struct jp_patrol_plan *const plan = leg->plan;
+    const struct jp_plane_point end = point_of(plan, plan->path_count - 1U);
+    const float away = jp_plane_length(plan->goal.pose.x - end.x, plan->goal.pose.y - end.y);
+
+    if (away > leg->config->position_tolerance) {
+        leg->speed = 0.0f;
+        set_going(leg);
+        drive_piece(leg, away, 0.0f, 0.0f);
     }
 }
 
@@ -218,10 +245,23 @@ enum jp_status jp_patrol_plan_energy(const struct jp_patrol_config *config,
     struct planned_leg leg = {.config = config, .model = model, .plan = plan, .drive = *drive_sum};
 
     set_off(&leg);
-    arrive(&leg, drive(&leg));
+    turn_to_goal(&leg, drive(&leg));
+    drive_in(&leg);
     *drive_sum = leg.drive;
     *duration += leg.duration;
     return JP_OK;
+}
+
+float jp_patrol_plan_ratio(const struct jp_four_wheel_drive *plan, const jp_q16 before[JP_FOUR_WHEEL_FACTORS],
+                           const jp_q16 after[JP_FOUR_WHEEL_FACTORS])
+{
+    const float energy = (float)plan->energy;
+    float more = 0.0f;
+
+    for (unsigned i = 0; i < (unsigned)JP_FOUR_WHEEL_FACTORS; i++) {
+        more += (float)plan->change[i] * ((float)after[i] / (float)before[i] - 1.0f);
+    }
+    return energy > 0.0f ? jp_plane_larger(1.0f + more / energy, RATIO_MIN) : 1.0f;
 }
 
 /* ---- Pace ---- */

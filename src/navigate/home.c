@@ -224,11 +224,6 @@ static void watch_drive(struct jp_home *home)
 
 /* What is asked. */
 
-static jp_q16 root_of_squares(jp_q16 a, jp_q16 b)
-{
-    return jp_saturate32((int64_t)jp_square_root((uint64_t)((int64_t)a * a) + (uint64_t)((int64_t)b * b)));
-}
-
 static struct jp_forecast scaled(const struct jp_home_way *way, jp_cost cost)
 {
     return (struct jp_forecast){jp_saturate32((int64_t)way->energy.energy * (int64_t)cost / (int64_t)way->cost),
@@ -285,21 +280,17 @@ static struct jp_forecast share_of(const struct jp_forecast *forecast, unsigned 
                                 jp_saturate32((int64_t)forecast->deviation * (int64_t)part / (int64_t)whole)};
 }
 
-/** What the learner is wrong by it is on the whole way; the factors are wrong on their own. */
+/** Before it leaves, nothing of the way was driven: what the map does not show is on the way home as on the way out,
+ * and the learner is wrong on both. */
 static struct jp_forecast way_of(const struct jp_home *home, const struct jp_forecast *forecast, unsigned drives)
 {
     const unsigned out = drives / 2U;
     const struct jp_forecast away = share_of(forecast, out, drives);
     const struct jp_forecast home_again = share_of(forecast, drives - out, drives);
-    const struct jp_forecast sure_away = {away.energy, 0};
-    const struct jp_forecast sure_home = {home_again.energy, 0};
-    const struct jp_forecast goes = driven(home, &home->learned.out, &sure_away, out);
-    const struct jp_forecast comes = driven(home, &home->learned.back, &sure_home, drives - out);
-    const jp_q16 of_learner = jp_add(jp_q16_multiply(away.deviation, home->learned.out.mean),
-                                     jp_q16_multiply(home_again.deviation, home->learned.back.mean));
+    const struct jp_forecast goes = driven(home, &home->learned.out, &away, out);
+    const struct jp_forecast comes = driven(home, &home->learned.back, &home_again, drives - out);
 
-    return (struct jp_forecast){jp_add(goes.energy, comes.energy),
-                                root_of_squares(of_learner, root_of_squares(goes.deviation, comes.deviation))};
+    return (struct jp_forecast){jp_add(goes.energy, comes.energy), jp_add(goes.deviation, comes.deviation)};
 }
 
 enum jp_status jp_home_expect(const struct jp_home *home, jp_cost cost, unsigned drives, struct jp_forecast *way)

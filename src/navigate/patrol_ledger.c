@@ -18,26 +18,24 @@ static float modelled_joules(const struct jp_patrol_ledger *ledger, int64_t ener
 void jp_patrol_ledger_start(struct jp_patrol_ledger *ledger, const struct jp_factor_learning *learning,
                             const struct jp_four_wheel_energy_model *built_in)
 {
-    *ledger = (struct jp_patrol_ledger){.begun = 0};
+    *ledger = (struct jp_patrol_ledger){.robot = 1.0f};
     jp_four_wheel_learner_start(&ledger->learner, learning, built_in);
 }
 
 /** Without what is in the way. */
 static enum jp_status plan_alone(const struct jp_patrol_ledger *ledger, const struct jp_patrol_config *config,
-                                 const struct jp_patrol_plan *plan, float *modelled, float *duration)
+                                 const struct jp_patrol_plan *plan, struct jp_four_wheel_drive *planned,
+                                 float *duration)
 {
-    struct jp_four_wheel_drive drive = {.energy = 0};
-    enum jp_status status;
-
+    *planned = (struct jp_four_wheel_drive){.energy = 0};
     *duration = 0.0f;
-    status = jp_patrol_plan_energy(config, &ledger->learner.model, plan, &drive, duration);
-    *modelled = modelled_joules(ledger, drive.energy);
-    return status;
+    return jp_patrol_plan_energy(config, &ledger->learner.model, plan, planned, duration);
 }
 
-static struct jp_patrol_leg_forecast among_others(const struct jp_patrol_ledger *ledger, float modelled, float duration)
+static struct jp_patrol_leg_forecast among_others(const struct jp_patrol_ledger *ledger,
+                                                  const struct jp_four_wheel_drive *planned, float duration)
 {
-    const float energy = modelled * jp_patrol_pace_factor(&ledger->pace, 1.0f);
+    const float energy = modelled_joules(ledger, planned->energy) * jp_patrol_pace_factor(&ledger->pace, 1.0f);
 
     return (struct jp_patrol_leg_forecast){
         .energy = energy, .deviation = energy * jp_patrol_pace_deviation(&ledger->pace), .duration = duration};
@@ -46,16 +44,16 @@ static struct jp_patrol_leg_forecast among_others(const struct jp_patrol_ledger 
 enum jp_status jp_patrol_ledger_foretell(const struct jp_patrol_ledger *ledger, const struct jp_patrol_config *config,
                                          const struct jp_patrol_plan *plan, struct jp_patrol_leg_forecast *forecast)
 {
-    float modelled;
+    struct jp_four_wheel_drive planned;
     float duration;
     enum jp_status status;
 
     if (ledger == NULL || forecast == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    status = plan_alone(ledger, config, plan, &modelled, &duration);
+    status = plan_alone(ledger, config, plan, &planned, &duration);
     if (status == JP_OK) {
-        *forecast = among_others(ledger, modelled, duration);
+        *forecast = among_others(ledger, &planned, duration);
     }
     return status;
 }
@@ -70,9 +68,9 @@ enum jp_status jp_patrol_ledger_begin(struct jp_patrol_ledger *ledger, const str
         return JP_ERR_ARGUMENT;
     }
     jp_patrol_ledger_forget(ledger);
-    status = plan_alone(ledger, config, plan, &ledger->internal.modelled, &duration);
+    status = plan_alone(ledger, config, plan, &ledger->internal.planned, &duration);
     if (status == JP_OK) {
-        ledger->forecast = among_others(ledger, ledger->internal.modelled, duration);
+        ledger->forecast = among_others(ledger, &ledger->internal.planned, duration);
         ledger->internal.driven = (struct jp_four_wheel_drive){.energy = 0};
         ledger->internal.taken = 0;
         ledger->internal.is_under_way = true;
@@ -94,9 +92,11 @@ void jp_patrol_ledger_add(struct jp_patrol_ledger *ledger, const struct jp_four_
 static void learn(struct jp_patrol_ledger *ledger)
 {
     const int32_t exponent = ledger->learner.built_in->unit_exponent;
-    const float taken = joules(ledger->internal.taken);
+    const float modelled = modelled_joules(ledger, ledger->internal.planned.energy);
+    jp_q16 before[JP_FOUR_WHEEL_FACTORS];
+    jp_q16 after[JP_FOUR_WHEEL_FACTORS];
 
-    jp_patrol_pace_learn(&ledger->pace, 1.0f, ledger->internal.modelled, taken);
+    jp_four_wheel_learner_factors(&ledger->learner, before);
     if (jp_four_wheel_learner_update(&ledger->learner, &ledger->internal.driven,
                                      jp_energy_to_q16(ledger->internal.taken, exponent),
                                      &ledger->result.learned) == JP_OK) {
@@ -104,6 +104,11 @@ static void learn(struct jp_patrol_ledger *ledger)
     } else {
         ledger->left_out = jp_one_more32(ledger->left_out);
     }
+    jp_four_wheel_learner_factors(&ledger->learner, after);
+    const float ratio = jp_patrol_plan_ratio(&ledger->internal.planned, before, after);
+
+    ledger->robot *= ratio;
+    jp_patrol_pace_learn(&ledger->pace, 1.0f, modelled * ratio, joules(ledger->internal.taken));
 }
 
 void jp_patrol_ledger_end(struct jp_patrol_ledger *ledger)
@@ -114,7 +119,7 @@ void jp_patrol_ledger_end(struct jp_patrol_ledger *ledger)
     ledger->internal.is_under_way = false;
     ledger->result = (struct jp_patrol_leg_result){.forecast = ledger->forecast, .energy = ledger->internal.taken};
     ledger->ended++;
-    if (ledger->internal.taken > 0 && ledger->internal.modelled > 0.0f) {
+    if (ledger->internal.taken > 0 && ledger->internal.planned.energy > 0) {
         learn(ledger);
     } else {
         ledger->left_out = jp_one_more32(ledger->left_out);

@@ -57,13 +57,21 @@ static enum jp_status check(const struct jp_patrol_round_config *config, const c
     return is_at_least(config->standing_power, 0.0f) ? JP_OK : jp_config_refuse("standing_power", field);
 }
 
+/** Of legs, by what was learned of the robot and of what is in its way. */
+static float learned_pace(const struct jp_patrol_round *round)
+{
+    const struct jp_patrol_ledger *ledger = &round->internal.pilot->ledger;
+
+    return ledger->robot * jp_patrol_pace_factor(&ledger->pace, 1.0f);
+}
+
 static void begin_survey(struct jp_patrol_round *round)
 {
     round->state = JP_ROUND_SURVEYING;
     round->internal.surveyed = 0;
     round->internal.is_asked = false;
     round->internal.is_at_charger = true;
-    round->internal.pace = jp_patrol_pace_factor(&round->internal.pilot->ledger.pace, 1.0f);
+    round->internal.pace = learned_pace(round);
     (void)jp_patrol_pilot_forget_marks(round->internal.pilot);
 }
 
@@ -157,7 +165,7 @@ static void survey(struct jp_patrol_round *round)
 /** By what legs have taken beyond their plans since. */
 static float pace_since(const struct jp_patrol_round *round)
 {
-    return jp_patrol_pace_factor(&round->internal.pilot->ledger.pace, 1.0f) / round->internal.pace;
+    return learned_pace(round) / round->internal.pace;
 }
 
 static float bound_of(const struct jp_patrol_round *round, const struct jp_patrol_leg_forecast *forecast)

@@ -1,10 +1,13 @@
 #include "src/skid_steer/skid_follow.h"
 
+#include "src/base/integer.h"
+
 void jp_skid_follow_begin(struct jp_skid_follow *follow, const struct jp_lattice_path *path)
 {
     jp_path_drive_begin(&follow->drive, path);
     follow->path = path;
     follow->motion = (struct jp_motion){0, 0};
+    follow->acceleration = 0;
     follow->at.acceleration = 0;
     follow->at.turn_acceleration = 0;
     follow->next = JP_SKID_FOLLOW_ADVANCE;
@@ -37,10 +40,12 @@ static void look_ahead(struct jp_skid_follow *follow, const struct jp_skid_odome
 static void track(struct jp_skid_follow *follow, const struct jp_skid_odometry *odometry,
                   const struct jp_skid_odometry_config *config)
 {
+    const jp_q24 before = follow->motion.speed;
     struct jp_path_pose pose;
 
     jp_skid_odometry_now(odometry, config, &pose.position, &pose.heading);
     jp_path_drive_track(&follow->drive, &follow->at, &pose, &follow->motion);
+    follow->acceleration = jp_saturate32(jp_multiply(follow->motion.speed - before, follow->drive.internal.pace_rate));
     follow->next = JP_SKID_FOLLOW_ADVANCE;
 }
 

@@ -281,7 +281,7 @@ static void guide_on_path(struct jp_skid_robot_internal *robot, struct jp_skid_s
     const jp_q24 rise = climb(robot);
 
     robot->reference = follow->motion;
-    robot->acceleration = follow->at.acceleration;
+    robot->acceleration = follow->acceleration;
     robot->heading_error = 0;
     *set_point = (struct jp_skid_set_point){
         .speed = tread_speed(robot, rise),

@@ -70,4 +70,4 @@ def test_a_robot_without_tables_is_refused(tmp_path):
     robot.write_text(text.replace('name = "patrol"', 'name = "other"'))
     result = drive("l-passage", tmp_path / "out", "--robot", robot)
     assert result.returncode == 2
-    assert_one_line_error(result, "make patrol-config")
+    assert_one_line_error(result, "make robot")

@@ -62,7 +62,16 @@ def test_courses_in_their_interval():
     late = [(100.0, 10.0, 119.0), (100.0, 10.0, 120.0), (100.0, 10.0, 100.0), (100.0, 10.0, 95.0)]
     found = values([row("navigate", courses=early + late)])
     assert found["courses over a map, after learning"] == 4
-    assert found["of those in the 95 % interval, off 95 % by"] == pytest.approx(20)
+    assert found["courses over a map: in the 95 % interval, off 95 % by"] == pytest.approx(20)
+
+
+def test_forecasts_of_the_patrol_robot_before_and_after_learning():
+    courses = [(70.0, 10.0, 100.0)] + [(150.0, 10.0, 100.0)] * 19 + [(101.0, 10.0, 100.0), (97.0, 1.0, 100.0)]
+    found = values([row("patrol", robot="patrol", courses=courses)])
+    assert found["patrol robot, x: forecast of a first course against spent"] == pytest.approx(30)
+    assert found["patrol robot, x: forecast of a course after 20, mean error"] == pytest.approx(2)
+    assert found["patrol robot: courses, after learning"] == 2
+    assert found["patrol robot: courses: in the 95 % interval, off 95 % by"] == pytest.approx(45)
 
 
 class State:

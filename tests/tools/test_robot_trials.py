@@ -98,23 +98,16 @@ def test_tables_are_installed_only_when_the_robot_is_good(met, tmp_path, monkeyp
 
 # ---- Other kinds ----
 
-# Of a kind's robot, what makes it another one that no table knows.
-OTHERS = {
-    "skid": ("zhang2018", {"length_m = 0.9": "length_m = 0.7", "mass_kg = 92.0": "mass_kg = 60.0",
-                           "yaw_inertia_kg_m2 = 9.97": "yaw_inertia_kg_m2 = 4.9", "friction = 0.69": "friction = 0.8"}),
-    "wheels": ("patrol", {"mass_kg = 45.0": "mass_kg = 64.5", "inertia_kg_m2 = 3.75": "inertia_kg_m2 = 4.27",
-                          "length_m = 0.80": "length_m = 0.738", "width_m = 0.60": "width_m = 0.50"}),
-}
-
-
 def robot_file_of(kind, folder):
     """The file of a robot of its own name."""
-    like, changes = OTHERS[kind]
-    text = (ROOT / f"sim/robots/{like}.cfg").read_text().replace(f'name = "{like}"', f'name = "{kind}"')
-    for number, other in changes.items():
+    if kind == "amr":
+        return Path(__file__).with_name("amr.cfg")
+    text = (ROOT / "sim/robots/patrol.cfg").read_text()
+    for number, other in {'name = "patrol"': 'name = "wheels"', "mass_kg = 45.0": "mass_kg = 64.5", "length_m = 0.80": "length_m = 0.738",
+                          "inertia_kg_m2 = 3.75": "inertia_kg_m2 = 4.27", "width_m = 0.60": "width_m = 0.50"}.items():
         assert text.count(number) == 1
         text = text.replace(number, other)
-    path = folder / f"{kind}.cfg"
+    path = folder / "wheels.cfg"
     path.write_text(text)
     return path
 
@@ -131,14 +124,17 @@ def identified_with(monkeypatch, options):
         [*command, *options] if what.endswith("-identify") else command, what, **more))
 
 
-def test_a_skid_steered_robot_from_its_file_drives_as_foretold(tmp_path, monkeypatch):
-    making = making_of("skid", tmp_path)
+def test_a_robot_that_its_sides_steer_from_its_file_drives_as_foretold(tmp_path, monkeypatch):
+    making = making_of("amr", tmp_path)
     skid_design.design_controller(making)
     identified_with(monkeypatch, ["--count=10", "--robots=22"])
     assert skid_design.identify(making)["random_percent"]["mean"] < 10
     program, = robot_trials.build(making.folder, "jp-mission")
     found = robot_trials.drive(program, making.robot_file, making.folder, 2001, "battery")
     assert abs(found.error) < 0.03 and found.end_miss < 0.02 * found.length
+    trips = robot_trials.drive_trips(making.folder, making.robot_file, 2, 7001)
+    assert [trip["outcome"] for trip in trips] == ["done"] * 2
+    assert all(abs(trip["predicted_j"] / trip["measured_j"] - 1) < 0.05 for trip in trips)
 
 
 def test_a_robot_with_four_steered_wheels_from_its_file_arrives(tmp_path):

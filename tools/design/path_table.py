@@ -27,7 +27,7 @@ def limits(robot):
         to.q24("side_speed", robot.number("limits.speed_m_s"), "m/s", 0.01, 16),
         to.q24("width", width, "m", 0.05, 4),
         to.q24("acceleration", acceleration, "m/s²", 0.01, 16),
-        to.q24("turn_acceleration", acceleration / (width / 2), "rad/s²", 0.01, 64),
+        to.q24("turn_acceleration", skid_loads.turn_acceleration_limit(robot, acceleration), "rad/s²", 0.01, 64),
     ]
 
 

@@ -97,3 +97,11 @@ def acceleration_limit(robot, load):
         raise robot.error("limits.slope_deg", f"{math.degrees(slope):.3g}°: friction, motor.current_limit_a or the "
                           "centre's height leave no acceleration there; correct one of them")
     return found
+
+
+def turn_acceleration_limit(robot, acceleration):
+    """rad/s², for which the tyres push no more than for this acceleration, m/s², and no side accelerates more."""
+    half = robot.positive("body.width_m") / 2
+    mass, offset = robot.positive("body.mass_kg"), robot.number("body.centre_ahead_m")
+    inertia = robot.positive("body.yaw_inertia_kg_m2") + mass * offset**2
+    return acceleration / half * min(1, mass * half**2 / inertia)

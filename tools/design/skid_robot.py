@@ -10,7 +10,7 @@ from pathlib import Path
 from tools.common import ROOT, ArgumentParser, print_aligned, run, shown_path, write_whole
 from tools.design import c_tables, estimator_gains, path_table, robot_json, skid_odometry
 from tools.design.skid_loads import (LATERAL_AT_PIVOT, LATERAL_PER_RADIUS, acceleration_limit, back_emf, current_limit,
-                                     loads, steering_ratio, weight)
+                                     loads, steering_ratio, turn_acceleration_limit, weight)
 
 TURN = 2 * math.pi
 
@@ -234,7 +234,7 @@ def meter_group(robot, to):
 
 def limits_group(robot, load, steering, to):
     acceleration = acceleration_limit(robot, load)
-    turning = TURN_SHARE * acceleration * steering / (robot.positive("body.width_m") / 2)
+    turning = TURN_SHARE * steering * turn_acceleration_limit(robot, acceleration)
     return c_tables.Group("limits", [
         to.q24("speed", robot.positive("limits.speed_m_s"), "m/s", 2**-24, 8),
         to.q24("acceleration", acceleration, "m/s²", 0.01, 64),

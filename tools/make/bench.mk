@@ -95,6 +95,11 @@ bench-home: ## measure robots that come home on what is in their battery: trips 
 	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_home
 	$(BUILD)/bench/bench_home >$(BUILD)/bench/bench_home.json
 
+.PHONY: bench-return-map
+bench-return-map: ## count the instructions of a return map of 300 × 300 cells on an emulated Cortex-M7 (half a minute)
+	@tools/setup.sh test firmware
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/target_return_map-cortex-m7.json
+
 .PHONY: bench-image
 bench-image: ## measure the navigator of the firmware's image: 20 drives in QEMU, 100 in process, a million ticks, memory (35 minutes)
 	@tools/setup.sh sil operate firmware
@@ -256,7 +261,7 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	@$(MAKE) bench-page
 	@$(MAKE) coverage
 	@set -e; $(foreach b,$(BENCHES),echo '  BENCH $b'; $(BUILD)/bench/$b $(ARGS.$b) >$(BUILD)/bench/$b.json;)
-	@$(MAKE) size stack cycles test-targets
+	@$(MAKE) size stack cycles test-targets bench-return-map
 	@set -e; $(foreach p,$(PROPERTIES),echo '  BENCH prop_$p'; $(BUILD)/bench/prop_$p $(ARGS.$p) --json $(BUILD)/bench/$p.json;)
 	$(BUILD)/host-gcc/prop_decoders --count 100000000 --json $(BUILD)/bench/decoders.json
 	$(PYTHON) -m tools.measure.bench_bus

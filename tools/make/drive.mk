@@ -81,7 +81,7 @@ navigate:
 	@$(MAKE) $(PARALLEL) patrol MAP=$(NAVIGATE_PATROL_MAP) START=$(or $(START),$(NAVIGATE_PATROL_START)) \
 	    GOAL=$(or $(GOAL),$(NAVIGATE_PATROL_GOAL)) NAVIGATE=$(or $(NAVIGATE),$(NAVIGATE_PATROL_BOXES))
 else
-navigate: ## let ROBOT=courier24, burger, zhang2018 or patrol find its way (MAP=file START=x,y,deg GOAL=x,y SEED=1 NAVIGATE=options) among boxes that the map does not show, by itself or over BUS=in-process or pil; report in build/navigate
+navigate: ## let ROBOT=name (courier24, burger, zhang2018, patrol or yours) find its way (MAP=file START=x,y,deg GOAL=x,y SEED=1 NAVIGATE=options) among boxes that the map does not show, by itself or over BUS=in-process or pil; report in build/navigate
 	$(if $(NAVIGATE.$(BUS)),,$(error BUS=$(BUS): must be in-process or pil))
 	@tools/setup.sh design $(SETUP.$(BUS))
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-navigate $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(NAVIGATE_ROBOT)/emulated.elf)
@@ -96,7 +96,7 @@ endif
 BATTERY = $(if $(NAVIGATE_HILLS),9000,400)
 
 .PHONY: reach
-reach: ## let ROBOT=courier24, burger or zhang2018 drive to a goal and home on BATTERY joules (MAP=file START=x,y,deg GOAL=x,y SEED=1 REACH=options), and draw from where it comes home: picture in build/reach
+reach: ## let ROBOT=name (courier24, burger, zhang2018 or yours) drive to a goal and home on BATTERY joules (MAP=file START=x,y,deg GOAL=x,y SEED=1 REACH=options), and draw from where it comes home: picture in build/reach
 	@tools/setup.sh design
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-navigate
 	@rm -rf $(BUILD)/reach
@@ -114,7 +114,7 @@ GROUNDS_ROBOT  = $(if $(filter file,$(origin ROBOT)),zhang2018,$(ROBOT))
 comma          = ,
 
 .PHONY: grounds
-grounds: ## let ROBOT=zhang2018 or burger go again and again over a map of several grounds (MAP=file START=x,y,deg GOAL=x,y SEED=1 GROUNDS=options), and learn what they take; picture in build/grounds
+grounds: ## let ROBOT=name (zhang2018, burger or yours) go again and again over a map of several grounds (MAP=file START=x,y,deg GOAL=x,y SEED=1 GROUNDS=options), and learn what they take; picture in build/grounds
 	@tools/setup.sh design
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-grounds
 	@rm -rf $(BUILD)/grounds
@@ -154,7 +154,7 @@ patrol:
 	$(PYTHON) -m tools.mujoco.patrol $(BUILD)/patrol/map.json $(PLAN_TASK) --robot $(PATROL_ROBOT) --seed $(SEED) \
 	    --output $(BUILD)/patrol $(CONDITIONS)
 else
-patrol: ## drive the patrol robot (SCENE=name SEED=1, or MAP=file START=x,y,deg GOAL=x,y,deg), by itself or over BUS=in-process or pil, or over a MAP in WORLD=mujoco; report in build/patrol
+patrol: ## drive the patrol robot, or ROBOT=name (SCENE=name SEED=1, or MAP=file START=x,y,deg GOAL=x,y,deg), by itself or over BUS=in-process or pil, or over a MAP in WORLD=mujoco; report in build/patrol
 	$(if $(WORLD),$(error WORLD=$(WORLD): must be mujoco, or left out))
 	$(if $(PATROL.$(BUS)),,$(error BUS=$(BUS): must be in-process or pil))
 	@tools/setup.sh sil $(if $(PATROL_MAP),design) $(SETUP.$(BUS))

@@ -246,8 +246,8 @@ def patrol(task):
                 column, row = free_cell(draw, cell_map.cells, room)
                 drive.operator.navigate(stream, {"Column": column, "Row": row, "HasHeading": 1,
                                                  "Heading": draw.randrange(-2048, 2048) / 4096})
+                forecasts.end(drive.operator.state)  # of the way alone, not of the rest after it
                 drive.operator.hold(1.0)
-                forecasts.end(drive.operator.state)
         except RobotError as error:
             failure = str(error)
         result = result_of(drive, failure)
@@ -336,6 +336,15 @@ def drive_figures(rows):
     yield figure("share of the cells' energy that a ledger misses, most", max(ledgers), "%", at_most(LEDGER))
 
 
+def interval_figures(what, courses):
+    """Of courses after learning."""
+    if courses:
+        inside = [abs(energy - spent) <= 1.96 * deviation for energy, deviation, spent in courses]
+        yield figure(f"{what}, after learning", len(courses))
+        yield figure(f"{what}: in the 95 % interval, off 95 % by", abs(100 * sum(inside) / len(inside) - 95), "points",
+                     at_most(2))
+
+
 def learning_figures(rows):
     for name in ROBOTS:
         own = [row for row in rows if row["robot"] == name and row["kind"] == "learn"]
@@ -343,17 +352,16 @@ def learning_figures(rows):
         if before and after:
             yield figure(f"{name}: forecast of a first segment against spent, mean", statistics.mean(before), "%", at_most(5))
             yield figure(f"{name}: the same after {LEARNED} segments", statistics.mean(after), "%", at_most(1.5))
-    for case in (row for row in rows if row["kind"] == "patrol"):
-        missed = [100 * abs(energy / spent - 1) for energy, _, spent in case["courses"][LEARNED:]]
-        if missed:
+    patrols = [row for row in rows if row["kind"] == "patrol"]
+    for case in patrols:
+        missed = [100 * abs(energy / spent - 1) for energy, _, spent in case["courses"]]
+        if missed[LEARNED:]:
+            yield figure(f"patrol robot, {case['case']}: forecast of a first course against spent", missed[0], "%", at_most(5))
             yield figure(f"patrol robot, {case['case']}: forecast of a course after {LEARNED}, mean error",
-                         statistics.mean(missed), "%", at_most(1.5))
-    courses = [course for row in rows if row["kind"] == "navigate" for course in row["courses"][LEARNED_COURSES:]]
-    if courses:
-        inside = [abs(energy - spent) <= 1.96 * deviation for energy, deviation, spent in courses]
-        share = 100 * sum(inside) / len(inside)
-        yield figure("courses over a map, after learning", len(courses))
-        yield figure("of those in the 95 % interval, off 95 % by", abs(share - 95), "points", at_most(2))
+                         statistics.mean(missed[LEARNED:]), "%", at_most(1.5))
+    yield from interval_figures("patrol robot: courses", [course for row in patrols for course in row["courses"][LEARNED:]])
+    yield from interval_figures("courses over a map", [course for row in rows if row["kind"] == "navigate"
+                                                       for course in row["courses"][LEARNED_COURSES:]])
 
 
 TERMS = ("electronics", "copper", "conversion", "gear", "gear dry", "rolling", "slip contact", "normal contact", "stops dry",

@@ -49,6 +49,46 @@ static void test_the_deviation_shrinks_with_what_is_learned(void)
     TEST_ASSERT_TRUE(sixteen.deviation < 8 * one.deviation);
 }
 
+/* Of sixteen segments that turn to and fro. */
+static struct jp_forecast mission_forecast(const struct jp_learner *robot)
+{
+    struct jp_forecast_sum sum = {0, {0}, 0};
+    struct jp_energy_start from = {.motion = {0, 0}};
+    struct jp_forecast forecast;
+
+    for (unsigned i = 0; i < 16U; i++) {
+        const struct jp_segment_command segment = {
+            {JP_Q24(0.5), 0}, i % 2U == 0U ? JP_Q24(0.3) : -JP_Q24(0.3), JP_Q16(6)};
+
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_add(robot, &sum, &from, &segment));
+    }
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_total(robot, &sum, &forecast));
+    return forecast;
+}
+
+/* What a new robot believes is as wide as robots of its kind differ: the ground under gao2018 is 0.6 to 1.6 times as
+ * rough as in its file. One segment of six seconds tells most of it, and no more than that before it has driven. */
+static void test_the_first_segment_tells_most_of_what_a_new_robot_does_not_know(void)
+{
+    const struct jp_segment_command segment = {{JP_Q24(0.5), 0}, JP_Q24(0.3), JP_Q16(6)};
+    const struct jp_energy_start from = {.motion = {0, 0}};
+    struct jp_energy_start end;
+    struct jp_learner robot;
+    enum jp_learned learned;
+    jp_q16 energy;
+
+    jp_learner_start(&robot, &jp_learning_gao2018, &jp_energy_model_gao2018, &jp_horizon_gao2018);
+    const struct jp_forecast first = mission_forecast(&robot);
+
+    TEST_ASSERT_EQUAL_INT(
+        JP_OK, jp_energy_forecast(&jp_energy_model_gao2018, &jp_horizon_gao2018, &from, &segment, &energy, &end));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_learner_update(&robot, &from, &segment, energy, &learned));
+    const struct jp_forecast second = mission_forecast(&robot);
+
+    TEST_ASSERT_TRUE(first.deviation > first.energy / 7 && first.deviation < first.energy / 4);
+    TEST_ASSERT_TRUE(second.deviation < first.deviation / 3);
+}
+
 /* A leg's energy changes with b1 and b2 as the model does. */
 static void test_a_leg_is_forecast_by_the_learned_model(void)
 {

@@ -140,6 +140,22 @@ static void test_legs_that_take_more_are_foretold_to(void)
     TEST_ASSERT_EQUAL_UINT32(10, ledger.learned_from);
 }
 
+/* The leg takes a third more than is foretold. Of that the robot's factors take their part, and the pace what is left:
+ * the next one is foretold a third more, but for that its pieces are not those of the plan. */
+static void test_what_a_leg_teaches_does_not_count_twice(void)
+{
+    (void)drive(1, 0, 0);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_ledger_foretell(&ledger, &jp_patrol_config_patrol, &plan, &forecast));
+    const float before = forecast.energy;
+
+    begin();
+    (void)drive(20, (int32_t)(before / 15.0f), 0);
+    jp_patrol_ledger_end(&ledger);
+    TEST_ASSERT_EQUAL_UINT32(1, ledger.learned_from);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_ledger_foretell(&ledger, &jp_patrol_config_patrol, &plan, &forecast));
+    TEST_ASSERT_TRUE(forecast.energy > 1.2f * before && forecast.energy < 1.45f * before);
+}
+
 static void test_of_a_leg_that_does_not_come_to_its_end_nothing_is_learned(void)
 {
     begin();

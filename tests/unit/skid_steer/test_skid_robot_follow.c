@@ -3,6 +3,7 @@
 #include <joulepath/line_path.h>
 #include <joulepath/skid_path_energy.h>
 
+#include "src/skid_steer/skid_follow.h"
 #include "tests/support/skid_robot_rig.h"
 
 #define PLACES 4
@@ -139,6 +140,32 @@ static void test_where_it_is_now(void)
         TEST_ASSERT_INT32_WITHIN(JP_Q16(0.0002), before.y, now.y);
         before = now;
     }
+}
+
+/* The robot is held where it stands: to catch up the motion runs ahead of the path's, and the slope is told from the
+ * accelerometer without that. */
+static void test_the_acceleration_is_that_of_the_speed_with_the_way_back(void)
+{
+    static struct jp_skid_follow follow;
+    const char *field = "";
+    jp_q24 speed = 0;
+    jp_q24 beyond = 0;
+
+    plan();
+    make_standing();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_path_drive_init(&follow.drive, &config.path, &field));
+    jp_skid_follow_begin(&follow, &path);
+    for (uint32_t i = 0; i < 6 * RATE && follow.path != NULL; i++) {
+        jp_skid_follow_work(&follow, jp_skid_robot_odometry(&robot), &config.odometry);
+        if (follow.next == JP_SKID_FOLLOW_ADVANCE) {
+            speed += follow.acceleration / (jp_q24)(RATE / JP_TICKS_PER_PATH_POINT);
+            TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), follow.motion.speed, speed);
+            if (follow.motion.speed - follow.at.motion.speed > beyond) {
+                beyond = follow.motion.speed - follow.at.motion.speed;
+            }
+        }
+    }
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), config.path.speed_correction, beyond);
 }
 
 /* As a flipped bit of the memory would leave it: the path goes on. */
