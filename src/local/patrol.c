@@ -201,13 +201,21 @@ static void count_patience(struct jp_patrol *patrol)
     }
 }
 
-/* The step aside of a robot that stands where scans see it in a collision that may be none. */
+/* The step out of what scans see as a collision and may be none, of a robot that stands: to where there is room, else
+ * to where there is some. */
 static bool find_step_aside(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
-    return patrol->config.turns_in_place && jp_patrol_is_standing(speed) &&
-           jp_patrol_clearance(patrol, &patrol->pose) > -DOUBT &&
-           jp_patrol_find_step(patrol, patrol->pose.heading, patrol->config.turn_clearance,
-                               &patrol->internal.step_target);
+    struct jp_patrol_step_search search = {.heading = patrol->pose.heading, .clearance = patrol->config.teb.clearance};
+
+    if (!patrol->config.turns_in_place || !jp_patrol_is_standing(speed) ||
+        jp_patrol_clearance(patrol, &patrol->pose) <= -DOUBT) {
+        return false;
+    }
+    if (jp_patrol_find_step(patrol, &search, &patrol->internal.step_target)) {
+        return true;
+    }
+    search.clearance = patrol->config.turn_clearance;
+    return jp_patrol_find_step(patrol, &search, &patrol->internal.step_target);
 }
 
 static void act(struct jp_patrol *patrol, const struct jp_plane_speed *speed)

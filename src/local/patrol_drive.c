@@ -18,8 +18,6 @@
 /* Of the speed that the band wants, those that are tried. */
 #define SHARES 5U
 
-#define Q24 (1.0f / (float)JP_Q24_ONE)
-
 /* Cycles in which a band that stands may begin to move. */
 #define STILL_CYCLES 5U
 
@@ -101,25 +99,12 @@ static struct jp_teb_task task_of(const struct jp_patrol *patrol, const struct j
     return task;
 }
 
-/* While it brakes the robot keeps its curve, and its centre slows down less than the outermost wheel, m/s²; of a robot
- * that drives. */
-static float braking_on_curve(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
-{
-    const struct jp_four_wheel_config *const wheels = &patrol->config.wheels;
-    const float forward = jp_plane_magnitude(speed->forward);
-    const float half_turn = 0.5f * jp_plane_magnitude(speed->turn_rate) * Q24;
-    const float along = half_turn * (float)wheels->track; /* of the outer wheels besides, m/s */
-    const float across = half_turn * (float)wheels->wheelbase;
-    const float outermost = jp_plane_length(forward + along, across);
-
-    return patrol->config.people.braking * forward / outermost;
-}
-
 /* True when the robot moves freely until it has stopped from this speed, on its curve. */
 static bool can_stop(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const float forward = jp_plane_magnitude(speed->forward);
-    const float braking = forward > 0.0f ? 0.5f * forward / braking_on_curve(patrol, speed) : 0.0f;
+    const float braking =
+        forward > 0.0f ? 0.5f * forward / jp_patrol_braking(&patrol->config, forward, speed->turn_rate) : 0.0f;
     const float seconds = jp_plane_larger(COMMAND_TIME, patrol->config.latency + patrol->config.period + braking);
     const unsigned steps = (unsigned)(seconds * forward / WAY_STEP) + COMMAND_STEPS;
     const float part = seconds / (float)steps;

@@ -9,8 +9,8 @@
 /* The robot steers to what is this far ahead on its path, m. */
 #define AIM_DISTANCE 0.35f
 
-/* Of clearances between scans, m: a glide that has less than it should does not get nearer;
- * into a goal it keeps the latter, m. */
+/* Of clearances between scans, m: a glide that has less than it should does not get nearer; the turn after a glide into
+ * a goal keeps the latter. */
 #define NOISE         0.01f
 #define CLEARANCE_MIN 0.03f
 
@@ -333,6 +333,20 @@ bool jp_patrol_set_off(struct jp_patrol *patrol, const struct jp_patrol_window *
     return true;
 }
 
+/* As it turns it comes to a stand within twice the tolerance of the goal: so much is kept there, m, but where it could
+ * not turn in place there instead. */
+static float end_clearance(const struct jp_patrol *patrol, const struct jp_patrol_window *window)
+{
+    const struct jp_patrol_config *const config = &patrol->config;
+    const struct jp_plane_pose *const goal = &patrol->internal.goal.pose;
+    const struct jp_plane_pose end = {goal->x, goal->y, window->direction};
+    float turn;
+
+    return jp_patrol_find_turn(patrol, &end, goal->heading, config->turn_clearance, &turn)
+               ? smaller(2.0f * config->position_tolerance, config->glide_clearance)
+               : CLEARANCE_MIN;
+}
+
 bool jp_patrol_glide_in(struct jp_patrol *patrol, const struct jp_patrol_window *window)
 {
     struct glide glide = glide_from(patrol, &patrol->pose);
@@ -344,10 +358,11 @@ bool jp_patrol_glide_in(struct jp_patrol *patrol, const struct jp_patrol_window 
     }
     const struct jp_plane_pose end = {patrol->internal.goal.pose.x, patrol->internal.goal.pose.y, glide.heading};
 
+    const float at_end = jp_patrol_clearance(patrol, &end) - NOISE;
     float rest;
 
-    glide.clearance = smaller(glide.clearance, jp_patrol_clearance(patrol, &end) - NOISE);
-    if (glide.clearance < CLEARANCE_MIN || !is_free(patrol, &glide) ||
+    glide.clearance = smaller(glide.clearance, at_end);
+    if (at_end < end_clearance(patrol, window) || !is_free(patrol, &glide) ||
         !jp_patrol_find_turn(patrol, &end, patrol->internal.goal.pose.heading, CLEARANCE_MIN, &rest)) {
         return false;
     }
@@ -493,23 +508,29 @@ static struct chassis_motion steered(const struct jp_patrol *patrol, const struc
     return next;
 }
 
-/* Whether the robot can stop from a motion with a clearance, its wheels at the angles that they have then. */
-static bool can_stop(const struct jp_patrol *patrol, const struct chassis_motion *motion, float clearance)
+/* Above 0, m/s². */
+static float braking_of(const struct jp_patrol *patrol, float speed, float turn_rate)
+{
+    return smaller(jp_patrol_braking(&patrol->config, speed, turn_rate), patrol->config.teb.acceleration);
+}
+
+/* What the robot keeps as it stops from a motion, its wheels at the angles that they have then, m. */
+static float stop_clearance(const struct jp_patrol *patrol, const struct chassis_motion *motion)
 {
     const float speed = jp_plane_length(motion->forward, motion->left);
-    const float seconds = 0.5f * speed / patrol->config.teb.acceleration + delay(patrol);
+    const float braking = speed > 0.0f ? 0.5f * speed / braking_of(patrol, speed, motion->turn_rate) : 0.0f;
+    const float seconds = braking + delay(patrol);
     const unsigned steps = (unsigned)(seconds * speed / STEP_LENGTH) + 1U;
     const float step = seconds / (float)steps;
     const struct jp_plane_pose part = {step * motion->forward, step * motion->left, step * motion->turn_rate};
     struct jp_plane_pose pose = patrol->pose;
+    float least = JP_OBSTACLE_NONE;
 
     for (unsigned i = 1; i <= steps; i++) {
         pose = jp_plane_compose(&pose, &part);
-        if (jp_patrol_clearance_later(patrol, &pose, 2.0f * step * (float)i) < clearance) {
-            return false;
-        }
+        least = smaller(least, jp_patrol_clearance_later(patrol, &pose, 2.0f * step * (float)i));
     }
-    return true;
+    return least;
 }
 
 /* Along the glide at a speed, as far as the wheels follow. */
@@ -533,25 +554,31 @@ static struct chassis_motion motion_at(const struct jp_patrol *patrol, const str
     return steered(patrol, &wanted);
 }
 
-/* As fast as is wanted where the robot can stop from there, else slower along the glide, which is free as far as it
- * takes to stop. False: not even that. */
+/* A glide along the path that has its direction leads no farther. */
+static bool is_at_end(const struct glide *glide, float direction)
+{
+    return !glide->is_to_goal && jp_plane_magnitude(jp_plane_wrap(direction - glide->pose.heading)) < ALONG;
+}
+
+/* As fast as is wanted where the robot can stop from there. Else it brakes along the glide, where that keeps more than
+ * to brake with its wheels as they are: false where it does not. */
 static bool move(struct jp_patrol *patrol, const struct glide *glide, float direction, float wanted)
 {
     const float now = jp_plane_length(patrol->internal.command.forward, patrol->internal.sideways);
     const float stop = now * (0.5f * now / patrol->config.teb.acceleration + delay(patrol));
     const unsigned least = (unsigned)(stop / STEP_LENGTH) + 1U;
     const unsigned ahead = least + 2U;
-    const unsigned free = free_steps(patrol, *glide, ahead);
     struct chassis_motion next = motion_at(patrol, glide, direction, wanted);
 
-    if (free < ahead || !can_stop(patrol, &next, 0.5f * glide->clearance)) {
+    if (free_steps(patrol, *glide, ahead) < ahead || stop_clearance(patrol, &next) < 0.5f * glide->clearance) {
         const float slower = now - patrol->config.teb.acceleration * patrol->config.period;
+        const struct chassis_motion as_now = commanded(patrol);
+        struct glide braked = *glide;
 
-        if (free < least || slower <= 0.0f) {
-            return false;
-        }
-        next = motion_at(patrol, glide, direction, slower);
-        if (!can_stop(patrol, &next, 0.0f)) {
+        braked.clearance = smaller(glide->clearance, larger(stop_clearance(patrol, &as_now), 0.0f));
+        next = motion_at(patrol, glide, direction, larger(slower, 0.0f));
+        if (slower <= 0.0f || free_steps(patrol, braked, least) < least ||
+            (is_at_end(glide, direction) && stop_clearance(patrol, &next) < 0.0f)) {
             return false;
         }
     }

@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "src/base/plane.h"
+#include "src/local/patrol_price.h"
 
 /* Between the poses that are checked, rad and m. */
 #define SWEEP_STEP 0.09f
@@ -15,7 +16,10 @@
 #define STEP_LENGTH  0.15f
 #define STEP_LENGTHS 5U
 #define STEP_ANGLE   (JP_PLANE_PI / 6.0f)
-#define STEP_ANGLES  7U
+#define STEP_ANGLES  12U
+
+/* Of them, those that are not backwards: the paper's robot takes no other. */
+#define STEP_ANGLES_AHEAD 7U
 
 float jp_patrol_clearance(const struct jp_patrol *patrol, const struct jp_plane_pose *pose)
 {
@@ -71,12 +75,10 @@ bool jp_patrol_find_turn(const struct jp_patrol *patrol, const struct jp_plane_p
     return jp_patrol_is_turn_free(patrol, from, longer, clearance);
 }
 
-bool jp_patrol_is_step_free_from(const struct jp_patrol *patrol, const struct jp_plane_pose *from,
-                                 const struct jp_plane_pose *step, float clearance)
+static bool keeps_clearance(const struct jp_patrol *patrol, const struct jp_plane_pose *from,
+                            const struct jp_plane_pose *step, float least)
 {
     const unsigned parts = (unsigned)(jp_plane_length(step->x, step->y) / WAY_STEP) + 1U;
-    const float now = jp_patrol_clearance(patrol, from) - NOISE;
-    const float least = now < clearance ? now : clearance;
 
     for (unsigned i = 1; i <= parts; i++) {
         const float share = (float)i / (float)parts;
@@ -90,12 +92,20 @@ bool jp_patrol_is_step_free_from(const struct jp_patrol *patrol, const struct jp
     return true;
 }
 
+bool jp_patrol_is_step_free_from(const struct jp_patrol *patrol, const struct jp_plane_pose *from,
+                                 const struct jp_plane_pose *step, float clearance)
+{
+    const float now = jp_patrol_clearance(patrol, from) - NOISE;
+
+    return keeps_clearance(patrol, from, step, jp_plane_smaller(now, clearance));
+}
+
 bool jp_patrol_is_step_free(const struct jp_patrol *patrol, const struct jp_plane_pose *step, float clearance)
 {
     return jp_patrol_is_step_free_from(patrol, &patrol->pose, step, clearance);
 }
 
-/* From straight ahead to both sides in turn. */
+/* From straight ahead to both sides in turn, at last straight back. */
 static float step_angle(unsigned i)
 {
     const unsigned pair = (i + 1U) / 2U;
@@ -104,21 +114,85 @@ static float step_angle(unsigned i)
     return i % 2U == 0U ? angle : -angle;
 }
 
-bool jp_patrol_find_step(const struct jp_patrol *patrol, float heading, float clearance, struct jp_plane_point *target)
+static bool is_by_cost(const struct jp_patrol *patrol)
 {
-    for (unsigned i = 0; i < STEP_LENGTHS * STEP_ANGLES; i++) {
-        const unsigned ring = i / STEP_ANGLES + 1U;
-        const float length = (float)ring * STEP_LENGTH;
-        const float angle = step_angle(i % STEP_ANGLES);
-        const struct jp_plane_pose step = {length * jp_plane_cosine(angle), length * jp_plane_sine(angle), 0.0f};
-        const struct jp_plane_pose there = jp_plane_compose(&patrol->pose, &step);
-        float turn;
+    return patrol->config.strategy == (uint8_t)JP_PATROL_BY_COST;
+}
 
-        if (jp_patrol_is_step_free(patrol, &step, clearance) &&
-            jp_patrol_find_turn(patrol, &there, heading, clearance, &turn)) {
+/* From a pose with another heading to a place. */
+static struct jp_plane_pose way_into(const struct jp_plane_pose *from, float heading, const struct jp_plane_pose *to)
+{
+    const struct jp_plane_pose turned = {from->x, from->y, heading};
+    const struct jp_plane_pose there = jp_plane_relative(&turned, to);
+
+    return (struct jp_plane_pose){there.x, there.y, 0.0f};
+}
+
+static float price_of(const struct jp_patrol_config *config, const struct jp_plane_pose *step)
+{
+    return jp_patrol_step_price(config, jp_plane_magnitude(jp_plane_bearing(step->x, step->y)),
+                                jp_plane_length(step->x, step->y));
+}
+
+/* Of a step, of the turn after it, and of the step into where the search leads. */
+static float search_price(const struct jp_patrol *patrol, const struct jp_patrol_step_search *search,
+                          const struct jp_plane_pose *step)
+{
+    const struct jp_plane_pose there = jp_plane_compose(&patrol->pose, step);
+    const float turn = jp_plane_magnitude(jp_plane_wrap(search->heading - patrol->pose.heading));
+    const float price = price_of(&patrol->config, step) + jp_patrol_turn_price(&patrol->config, turn);
+
+    if (search->into == NULL) {
+        return price;
+    }
+    const struct jp_plane_pose in = way_into(&there, search->heading, search->into);
+
+    return price + price_of(&patrol->config, &in);
+}
+
+/* It keeps the clearance, or gets no nearer where it has less, and leads to where there is room. */
+static bool is_step_good(const struct jp_patrol *patrol, const struct jp_patrol_step_search *search,
+                         const struct jp_plane_pose *step)
+{
+    const float now = jp_patrol_clearance(patrol, &patrol->pose);
+    const struct jp_plane_pose there = jp_plane_compose(&patrol->pose, step);
+    float turn;
+
+    if (!keeps_clearance(patrol, &patrol->pose, step, jp_plane_smaller(now, search->clearance)) ||
+        !jp_patrol_find_turn(patrol, &there, search->heading, search->clearance, &turn)) {
+        return false;
+    }
+    if (search->into == NULL) {
+        return true;
+    }
+    const struct jp_plane_pose turned = {there.x, there.y, search->heading};
+    const struct jp_plane_pose in = way_into(&there, search->heading, search->into);
+
+    return jp_plane_length(in.x, in.y) < search->into_reach &&
+           jp_patrol_is_step_free_from(patrol, &turned, &in, search->into_clearance);
+}
+
+bool jp_patrol_find_step(const struct jp_patrol *patrol, const struct jp_patrol_step_search *search,
+                         struct jp_plane_point *target)
+{
+    const unsigned angles = is_by_cost(patrol) ? STEP_ANGLES : STEP_ANGLES_AHEAD;
+    float least = JP_OBSTACLE_NONE;
+    bool is_found = false;
+
+    for (unsigned i = 0; i < STEP_LENGTHS * angles && !(is_found && !is_by_cost(patrol)); i++) {
+        const unsigned ring = i / angles + 1U;
+        const float length = (float)ring * STEP_LENGTH;
+        const float angle = step_angle(i % angles);
+        const struct jp_plane_pose step = {length * jp_plane_cosine(angle), length * jp_plane_sine(angle), 0.0f};
+        const float price = search_price(patrol, search, &step);
+
+        if ((!is_found || price < least) && is_step_good(patrol, search, &step)) {
+            const struct jp_plane_pose there = jp_plane_compose(&patrol->pose, &step);
+
+            least = price;
+            is_found = true;
             *target = (struct jp_plane_point){there.x, there.y};
-            return true;
         }
     }
-    return false;
+    return is_found;
 }

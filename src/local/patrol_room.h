@@ -27,7 +27,18 @@ bool jp_patrol_is_step_free(const struct jp_patrol *patrol, const struct jp_plan
 bool jp_patrol_is_step_free_from(const struct jp_patrol *patrol, const struct jp_plane_pose *from,
                                  const struct jp_plane_pose *step, float clearance);
 
-/** The shortest of some steps forward or aside after which the turn to a heading is free. False: none is. */
-bool jp_patrol_find_step(const struct jp_patrol *patrol, float heading, float clearance, struct jp_plane_point *target);
+/** What a step is looked for. */
+struct jp_patrol_step_search {
+    float heading;                    /**< in which the robot is to stand after a turn at its end, rad */
+    float clearance;                  /**< to be kept in step and turn, m */
+    const struct jp_plane_pose *into; /**< another step then leads from there to this place; null: none */
+    float into_clearance;             /**< to be kept in that, m */
+    float into_reach;                 /**< its length at most, m */
+};
+
+/** Of some steps after which the turn to a heading is free the one of least cost, all in all; by the paper's strategy
+ *  the shortest, and none backwards. None comes nearer to what is nearer than the clearance. False: none is free. */
+bool jp_patrol_find_step(const struct jp_patrol *patrol, const struct jp_patrol_step_search *search,
+                         struct jp_plane_point *target);
 
 #endif

@@ -27,11 +27,22 @@
 #define FREE_CYCLES 3U
 #define TRIES_MAX   8U
 
+#define Q24 (1.0f / (float)JP_Q24_ONE)
+
 float jp_patrol_stopping_speed(const struct jp_patrol_config *config, float deceleration, float distance)
 {
     const float delay = config->latency + 0.5f * config->period;
 
     return deceleration * (jp_plane_square_root(delay * delay + 2.0f * distance / deceleration) - delay);
+}
+
+float jp_patrol_braking(const struct jp_patrol_config *config, float speed, float turn_rate)
+{
+    const float half_turn = 0.5f * jp_plane_magnitude(turn_rate) * Q24;
+    const float along = half_turn * (float)config->wheels.track; /* of the outer wheels besides, m/s */
+    const float across = half_turn * (float)config->wheels.wheelbase;
+
+    return config->people.braking * speed / jp_plane_length(speed + along, across);
 }
 
 bool jp_patrol_is_standing(const struct jp_plane_speed *speed)
@@ -105,23 +116,17 @@ static void begin_turn(struct jp_patrol *patrol, float heading, float angle)
     }
 }
 
-/* A place beside the goal with room for the turn, from where the robot then steps into the goal. */
-static bool find_turn_beside_goal(struct jp_patrol *patrol, float heading, float clearance)
+/* A place with room for the turn; at the goal one from where the robot then steps into it. */
+static bool find_room(struct jp_patrol *patrol, float heading, float clearance)
 {
-    const struct jp_plane_pose *const goal = &patrol->internal.goal.pose;
-    struct jp_plane_point place;
+    struct jp_patrol_step_search search = {.heading = heading, .clearance = clearance};
 
-    if (!jp_patrol_find_step(patrol, heading, clearance, &place)) {
-        return false;
+    if (patrol->internal.is_arriving) {
+        search.into = &patrol->internal.goal.pose;
+        search.into_clearance = step_clearance(&patrol->config);
+        search.into_reach = STEP_REACH;
     }
-
-    const struct jp_plane_pose there = {place.x, place.y, heading};
-    const struct jp_plane_pose remaining = jp_plane_relative(&there, goal);
-    const struct jp_plane_pose step = {remaining.x, remaining.y, 0.0f};
-
-    patrol->internal.step_target = place;
-    return jp_plane_length(remaining.x, remaining.y) < STEP_REACH &&
-           jp_patrol_is_step_free_from(patrol, &there, &step, step_clearance(&patrol->config));
+    return jp_patrol_find_step(patrol, &search, &patrol->internal.step_target);
 }
 
 /* The turn on the spot, else after a step to where there is room for it. */
@@ -133,8 +138,7 @@ static bool turn_with(struct jp_patrol *patrol, float heading, float clearance)
         begin_turn(patrol, heading, angle);
         return true;
     }
-    if (patrol->internal.is_arriving ? find_turn_beside_goal(patrol, heading, clearance)
-                                     : jp_patrol_find_step(patrol, heading, clearance, &patrol->internal.step_target)) {
+    if (find_room(patrol, heading, clearance)) {
         jp_patrol_begin_step(patrol);
         return true;
     }

@@ -4,6 +4,10 @@
 
 #include <joulepath/patrol.h>
 
+/** Of a robot that moves: while it brakes it keeps its curve, and its centre slows down less than the outermost wheel,
+ *  m/s². */
+float jp_patrol_braking(const struct jp_patrol_config *config, float speed, float turn_rate);
+
 /** Fastest from which the robot stops within a distance at a deceleration, m and m/s² or rad and rad/s²: what is asked
  *  of the wheels acts after the latency, and the next of it a period later. */
 float jp_patrol_stopping_speed(const struct jp_patrol_config *config, float deceleration, float distance);

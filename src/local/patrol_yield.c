@@ -354,15 +354,17 @@ static struct yield_outlook look_along(const struct jp_patrol *patrol, const str
 {
     struct yield_outlook outlook = {true, JP_OBSTACLE_NONE};
     float before = profile->now;
+    float past = 0.0f;
     float way = 0.0f;
 
     for (unsigned i = 1; i <= STEPS && STEP * (float)(i - 1U) < horizon; i++) {
-        const float time = STEP * (float)i;
+        const float time = jp_plane_smaller(STEP * (float)i, horizon);
         const float planned = course->speed[index_at(course, way)];
         const float speed = jp_plane_smaller(speed_after(profile, time), planned);
 
-        way += 0.5f * STEP * (speed + before);
+        way += 0.5f * (time - past) * (speed + before);
         before = speed;
+        past = time;
 
         const struct jp_plane_pose pose = pose_at(course, way);
 
@@ -397,12 +399,14 @@ static float speed_of(const struct jp_patrol *patrol, float forward, float sidew
     return jp_plane_length(forward, sideways) + reach_of(&patrol->config.teb.footprint) * jp_plane_magnitude(turn_rate);
 }
 
-/* How near it comes to people until it has stood for a rest; one that stands already is not asked to do anything. */
+/* How near it comes to people until it has stood for a rest, the notice apart that keeps it from getting there; one
+ * that stands already is not asked to do anything. */
 static float nearest_if_braked(const struct jp_patrol *patrol, const struct yield_course *course, float now)
 {
     const struct profile profile = {now, 0.0f, patrol->config.people.braking, patrol->config.latency};
 
-    return now < STANDING ? JP_OBSTACLE_NONE : look_along(patrol, course, &profile, time_to_rest(patrol, now)).nearest;
+    return now < STANDING ? JP_OBSTACLE_NONE
+                          : look_along(patrol, course, &profile, time_to_rest(patrol, now) - NOTICE).nearest;
 }
 
 /* Never less than it takes to be at rest after somebody has turned round. */
@@ -465,12 +469,6 @@ static struct jp_plane_pose pose_after(const struct jp_patrol *patrol, float wan
     return jp_plane_compose(&patrol->pose, &step);
 }
 
-/* From which it stops within a way. */
-static float speed_within(const struct jp_patrol_config *config, float way)
-{
-    return jp_patrol_stopping_speed(config, config->people.braking, jp_plane_larger(way, 0.0f));
-}
-
 /* The nearer something is on its way, the slower: it could stop before it came nearer than in a turn on the spot. What
  * it passes at the same distance does not slow it. */
 static void heed_clearance(struct jp_patrol *patrol)
@@ -482,17 +480,20 @@ static void heed_clearance(struct jp_patrol *patrol)
         return;
     }
 
+    const float braking = jp_patrol_braking(config, wanted, patrol->internal.command.turn_rate);
     const float delay = config->latency + 0.5f * config->period;
-    const float way = wanted * (delay + 0.5f * wanted / config->people.braking);
+    const float way = wanted * (delay + 0.5f * wanted / braking);
     const struct jp_plane_pose stopped = pose_after(patrol, wanted, way);
     const float here = jp_patrol_clearance(patrol, &patrol->pose);
     const float nearer = here - jp_patrol_clearance(patrol, &stopped);
 
     if (nearer > 0.0f) {
-        slow_down(
-            patrol, wanted,
-            jp_plane_larger(speed_within(config, way * (here - CLEARANCE) / nearer),
-                            jp_plane_smaller(speed_within(config, way * (here - CLEARANCE_MIN) / nearer), CREEP)));
+        const float whole = jp_plane_larger(way * (here - CLEARANCE) / nearer, 0.0f);
+        const float least = jp_plane_larger(way * (here - CLEARANCE_MIN) / nearer, 0.0f);
+
+        slow_down(patrol, wanted,
+                  jp_plane_larger(jp_patrol_stopping_speed(config, braking, whole),
+                                  jp_plane_smaller(jp_patrol_stopping_speed(config, braking, least), CREEP)));
     }
 }
 

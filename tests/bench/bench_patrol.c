@@ -1,13 +1,17 @@
 /* The patrol robot on its scenes, on firm and on slippery ground: how often each method arrives, collides and drives
- * backwards, in what time, with what energy and how near to what stands there. Prints figures as JSON; --rows FILE gets
- * a row for each scene, ground and method. Bad drives of the improved band and progress on stderr. */
+ * backwards, and whether that was cheaper and free, in what time, with what energy and how near to what stands there.
+ * Prints figures as JSON; --rows FILE gets a row for each scene, ground and method. Bad drives of the improved band and
+ * progress on stderr. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "sim/base/parallel.h"
+#include "sim/four_wheel/patrol_config.h"
 #include "sim/missions/patrol_mission.h"
+#include "src/base/plane.h"
+#include "src/local/patrol_price.h"
 #include "tests/bench/figures.h"
 
 #define COMMAND    "make bench-patrol"
@@ -16,8 +20,12 @@
 /* What slip and the controller's noise at a stand explain, m; more is driving backwards. */
 #define BACKWARDS_MIN 0.02
 
-/* What a drive should keep off, m. */
-#define NEAR_M 0.1
+/* What a drive should keep off, m, and what two measurements of a clearance differ by without a motion. */
+#define NEAR_M  0.1
+#define NOISE_M 0.01
+
+/* Slower than this it does not drive backwards, m/s. */
+#define BACKWARDS_SPEED 0.03
 
 enum { FIRST_SEED = 1, DRIVES_MAX = 100 };
 
@@ -36,11 +44,33 @@ static const struct place {
 };
 enum { PLACES = sizeof places / sizeof places[0], GROUPS = PLACES * PATROL_METHODS };
 
+/* What a robot does from when it begins to go backwards, or to step, until it does neither. */
+struct backing {
+    bool is_under_way;
+    struct jp_plane_pose from;
+    double metres; /* backwards */
+    double clearance;
+    double clearance_least;
+    double energy; /* at its beginning, J */
+    double time;   /* s */
+};
+
+/* Whether what a drive went backwards was free, and cheaper than to turn, go there forwards, and turn back. */
+struct judge {
+    const struct four_wheel_file *robot;
+    struct jp_patrol_config config;
+    struct backing backing;
+    double before; /* time of the last cycle */
+    unsigned not_free;
+    unsigned not_cheaper;
+};
+
 /* All drives of a method at a place. */
 struct group {
     const struct place *place;
     enum patrol_method method;
     struct patrol_result results[DRIVES_MAX];
+    struct judge judges[DRIVES_MAX];
 };
 
 struct campaign {
@@ -48,9 +78,54 @@ struct campaign {
     struct group groups[GROUPS];
 };
 
+/* ---- Backwards ---- */
+
+/* By the prices of the robot, which its tests hold against the model: of the way there forwards, J. */
+static double forwards_price(const struct jp_patrol_config *config, const struct jp_plane_pose *way)
+{
+    const float angle = jp_plane_magnitude(jp_plane_bearing(way->x, way->y));
+
+    return (double)(jp_patrol_straight_price(config, angle, jp_plane_length(way->x, way->y)) +
+                    jp_patrol_turn_price(config, angle));
+}
+
+static void end_backing(struct judge *judge, const struct patrol_view *view)
+{
+    const struct backing *const backing = &judge->backing;
+    const struct jp_plane_pose way = jp_plane_relative(&backing->from, &view->true_pose);
+    const double seconds = view->time - backing->time;
+    const double spent = view->energy_j - backing->energy + judge->robot->turning.second_w * seconds;
+
+    judge->backing.is_under_way = false;
+    if (backing->metres > BACKWARDS_MIN) {
+        judge->not_free += backing->clearance_least < fmin(NEAR_M, backing->clearance - NOISE_M);
+        judge->not_cheaper += spent > forwards_price(&judge->config, &way);
+    }
+}
+
+static void watch_backwards(void *context, const struct patrol_view *view)
+{
+    struct judge *const judge = context;
+    struct backing *const backing = &judge->backing;
+    const double speed = -(double)view->true_speed.forward;
+
+    if (speed <= BACKWARDS_SPEED && view->state != JP_PATROL_STEPPING) {
+        if (backing->is_under_way) {
+            end_backing(judge, view);
+        }
+    } else if (!backing->is_under_way) {
+        *backing =
+            (struct backing){true, view->true_pose, 0, view->clearance, view->clearance, view->energy_j, view->time};
+    } else {
+        backing->clearance_least = fmin(backing->clearance_least, view->clearance);
+        backing->metres += speed > BACKWARDS_SPEED ? speed * (view->time - judge->before) : 0;
+    }
+    judge->before = view->time;
+}
+
 /* ---- Driving ---- */
 
-static void drive(const struct four_wheel_file *robot, const struct group *group, uint64_t seed,
+static void drive(const struct four_wheel_file *robot, const struct group *group, uint64_t seed, struct judge *judge,
                   struct patrol_result *result)
 {
     struct patrol_scene scene;
@@ -58,8 +133,11 @@ static void drive(const struct four_wheel_file *robot, const struct group *group
                                      .scene = &scene,
                                      .method = group->method,
                                      .seed = seed,
-                                     .faults = {.jump_at = -1, .slip = group->place->slip}};
+                                     .faults = {.jump_at = -1, .slip = group->place->slip},
+                                     .observe = watch_backwards,
+                                     .context = judge};
 
+    *judge = (struct judge){.robot = robot, .config = patrol_config(robot, group->method)};
     patrol_scene_make(group->place->kind, seed, &scene);
     if (!patrol_mission_run(&task, result)) {
         abort();
@@ -77,7 +155,7 @@ static void drive_index(void *context, size_t index)
         index -= group->place->drives;
         group++;
     }
-    drive(&campaign->robot, group, FIRST_SEED + index, &group->results[index]);
+    drive(&campaign->robot, group, FIRST_SEED + index, &group->judges[index], &group->results[index]);
 }
 
 static size_t lay_out(struct campaign *campaign)
@@ -100,11 +178,17 @@ struct summary {
     double cleanly; /* of them, without driving backwards */
     double collided;
     double backwards; /* drives in which the robot drove backwards */
+    double needless;  /* of them, those in which that was not cheaper, or not free */
     double time;      /* s, mean */
     double energy;    /* J, mean */
     double clearance; /* m, least of all drives */
     double near;      /* drives that came nearer to something than NEAR_M */
 };
+
+static bool is_needless(const struct judge *judge)
+{
+    return judge->not_free + judge->not_cheaper > 0;
+}
 
 static bool is_backwards(const struct patrol_result *result)
 {
@@ -123,6 +207,7 @@ static struct summary summarise(const struct group *group)
         summary.cleanly += has_arrived && !is_backwards(result);
         summary.collided += result->outcome == PATROL_COLLIDED;
         summary.backwards += is_backwards(result);
+        summary.needless += is_needless(&group->judges[i]);
         summary.time += has_arrived ? result->time : 0;
         summary.energy += has_arrived ? result->energy_j : 0;
         summary.clearance = fmin(summary.clearance, result->clearance_min);
@@ -139,9 +224,10 @@ static void print_bad(const struct group *group)
         const struct patrol_result *result = &group->results[i];
 
         if (group->method == PATROL_IMPROVED && (result->outcome != PATROL_ARRIVED || is_backwards(result))) {
-            (void)fprintf(stderr, "%s%s, seed %zu: %s %s, %.2f m backwards\n", patrol_scene_names[group->place->kind],
-                          group->place->slip ? ", slippery" : "", FIRST_SEED + i, patrol_outcome_names[result->outcome],
-                          patrol_reason_names[result->reason], result->reversed);
+            (void)fprintf(stderr, "%s%s, seed %zu: %s %s, %.2f m backwards, %u times not free, %u times not cheaper\n",
+                          patrol_scene_names[group->place->kind], group->place->slip ? ", slippery" : "",
+                          FIRST_SEED + i, patrol_outcome_names[result->outcome], patrol_reason_names[result->reason],
+                          result->reversed, group->judges[i].not_free, group->judges[i].not_cheaper);
         }
     }
 }
@@ -177,7 +263,10 @@ static void add_figures(json_t *figures, const struct group *group, const struct
         add(figures, group, "arrived without driving backwards", summary->cleanly, "", no_bar);
     }
     add(figures, group, "collided", summary->collided, "", none);
-    add(figures, group, "drove backwards", summary->backwards, "", none);
+    add(figures, group, "drove backwards", summary->backwards, "", no_bar);
+    if (group->method == PATROL_IMPROVED) {
+        add(figures, group, "drove backwards where that was not cheaper or not free", summary->needless, "", none);
+    }
     if (group->place->has_bars) {
         add_means(figures, group, summary);
     }

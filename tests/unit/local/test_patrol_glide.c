@@ -406,12 +406,13 @@ static void test_a_goal_behind_is_stepped_to_where_that_costs_less(void)
 }
 
 /* With a wall beside its way. */
-static void glide_beside_wall(float y, float speed, float turn_rate)
+static void glide_beside_wall(float y, float heading, float speed, float turn_rate)
 {
     rig_wall(-2.0f, y, 3.0f, y);
     rig_go(2.5f, 0.0f);
     rig_cycles(3);
     jp_patrol_stand(&patrol);
+    patrol.pose.heading = heading;
     patrol.internal.command = (struct jp_plane_speed){speed, turn_rate};
     jp_patrol_enter(&patrol, JP_PATROL_GLIDING, JP_PATROL_NONE);
     jp_patrol_glide(&patrol);
@@ -421,16 +422,45 @@ static void glide_beside_wall(float y, float speed, float turn_rate)
 static void test_a_glide_that_cannot_stop_well_slows_down(void)
 {
     patrol.internal.glide_least = 3.0f;
-    glide_beside_wall(1.2f, 0.5f, 0.9f);
+    glide_beside_wall(1.2f, 0.0f, 0.5f, 0.9f);
     rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
     TEST_ASSERT_TRUE(jp_plane_length(patrol.internal.command.forward, patrol.internal.sideways) < 0.5f);
 }
 
-/* It would touch the wall. */
+/* Stopping with its wheels as they are it would touch the wall, which the glide leads along. */
+static void test_a_glide_that_turns_to_a_wall_brakes_along_its_way(void)
+{
+    glide_beside_wall(0.85f, 0.6f, 0.8f, 1.5f);
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(jp_plane_length(patrol.internal.command.forward, patrol.internal.sideways) < 0.8f);
+    TEST_ASSERT_TRUE(patrol.internal.command.turn_rate < 1.5f);
+}
+
+static void test_so_does_a_glide_into_the_goal(void)
+{
+    patrol.internal.is_gliding_to_goal = true;
+    glide_beside_wall(0.85f, 0.6f, 0.8f, 1.5f);
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(jp_plane_length(patrol.internal.command.forward, patrol.internal.sideways) < 0.8f);
+}
+
+/* It would touch what it leads to before it stands. */
 static void test_a_glide_that_cannot_stop_stops(void)
 {
-    glide_beside_wall(0.5f, 0.8f, 1.5f);
+    rig_wall(0.7f, -2.0f, 0.7f, 2.0f);
+    glide_beside_wall(0.5f, 0.0f, 0.8f, 1.5f);
     rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+}
+
+/* A post beside the goal: the robot could stand there, but within 0.1 m of it, and could turn there instead. */
+static void test_a_glide_into_a_goal_keeps_room_at_its_end(void)
+{
+    const struct jp_plane_point near = {3.1f, 0.5f};
+    const struct jp_plane_point far = {3.2f, 0.8f};
+
+    TEST_ASSERT_FALSE(begins_glide_beside(&near, 2.2f, -2.0f, 0.0f));
+    rig_reset();
+    TEST_ASSERT_TRUE(begins_glide_beside(&far, 2.2f, -2.0f, 0.0f));
 }
 
 /* What it would meet is farther than it takes to stop, but it stands already. */

@@ -194,7 +194,9 @@ static void test_step_keeps_its_clearance(void)
 static bool find_step(float heading, struct jp_plane_point *target)
 {
     *target = (struct jp_plane_point){9.0f, 9.0f};
-    return jp_patrol_find_step(&patrol, heading, patrol.config.turn_clearance, target);
+    const struct jp_patrol_step_search search = {.heading = heading, .clearance = patrol.config.turn_clearance};
+
+    return jp_patrol_find_step(&patrol, &search, target);
 }
 
 static void test_shortest_step_ahead_is_taken(void)
@@ -236,6 +238,68 @@ static void test_step_aside_from_a_wall(void)
     put_box(0.6f, -2.0f, 0.7f, 2.0f);
     TEST_ASSERT_TRUE(find_step(1.5f, &target));
     TEST_ASSERT_TRUE(target.y > 0.05f);
+}
+
+/* Between two walls that end behind. */
+static void put_walls_that_end_behind(void)
+{
+    put_box(-0.2f, 0.4f, 2.0f, 0.45f);
+    put_box(-0.2f, -0.45f, 2.0f, -0.4f);
+}
+
+static void test_step_back_only_by_cost(void)
+{
+    struct jp_plane_point target;
+
+    put_walls_that_end_behind();
+    patrol.config.strategy = (uint8_t)JP_PATROL_FIXED_ANGLE;
+    TEST_ASSERT_FALSE(find_step(1.5f, &target));
+    patrol.config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    TEST_ASSERT_TRUE(find_step(1.5f, &target));
+    TEST_ASSERT_TRUE(target.x < -0.3f);
+    TEST_ASSERT_NEAR(1e-4f, 0.0f, target.y);
+}
+
+/* What is behind it is not free. */
+static void test_no_step_back_into_a_box(void)
+{
+    struct jp_plane_point target;
+
+    put_walls_that_end_behind();
+    put_box(-0.8f, -0.4f, -0.6f, 0.4f);
+    patrol.config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    TEST_ASSERT_FALSE(find_step(1.5f, &target));
+}
+
+/* Nearer to something than the clearance, it steps away from it. */
+static void test_step_leads_away_from_what_is_near(void)
+{
+    const struct jp_patrol_step_search search = {.heading = 0.0f, .clearance = 0.1f};
+    struct jp_plane_point target;
+
+    put_box(0.48f, -1.0f, 0.6f, 1.0f);
+    patrol.config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    TEST_ASSERT_TRUE(jp_patrol_find_step(&patrol, &search, &target));
+    TEST_ASSERT_TRUE(target.x < -0.05f);
+}
+
+/* It ends where a second step leads to the goal: within its reach, and free. */
+static void test_step_from_where_another_leads_to_the_goal(void)
+{
+    const struct jp_plane_pose goal = {0.0f, 0.0f, 1.5f};
+    struct jp_patrol_step_search search = {.heading = 1.5f, .into = &goal, .into_reach = 0.2f};
+    struct jp_plane_point target;
+
+    patrol.config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    TEST_ASSERT_TRUE(jp_patrol_find_step(&patrol, &search, &target));
+    TEST_ASSERT_TRUE(jp_plane_length(target.x, target.y) < 0.2f);
+    search.into_reach = 0.1f;
+    TEST_ASSERT_FALSE(jp_patrol_find_step(&patrol, &search, &target));
+    /* A ring of posts that the robot turns within, but does not get out of or into without coming nearer. */
+    search.into_reach = 0.2f;
+    search.into_clearance = 9.0f;
+    put_box(1.0f, -0.1f, 1.1f, 0.1f);
+    TEST_ASSERT_TRUE(jp_patrol_find_step(&patrol, &search, &target));
 }
 
 static void test_no_step_out_of_a_box(void)
