@@ -1,6 +1,7 @@
 #include <joulepath/patrol_forecast.h>
 #include <stddef.h>
 
+#include "src/base/integer.h"
 #include "src/base/plane.h"
 #include "src/local/patrol_glide.h"
 #include "src/local/patrol_path.h"
@@ -255,11 +256,11 @@ enum jp_status jp_patrol_plan_energy(const struct jp_patrol_config *config,
 float jp_patrol_plan_ratio(const struct jp_four_wheel_drive *plan, const jp_q16 before[JP_FOUR_WHEEL_FACTORS],
                            const jp_q16 after[JP_FOUR_WHEEL_FACTORS])
 {
-    const float energy = (float)plan->energy;
+    const float energy = (float)jp_saturate32(plan->energy);
     float more = 0.0f;
 
     for (unsigned i = 0; i < (unsigned)JP_FOUR_WHEEL_FACTORS; i++) {
-        more += (float)plan->change[i] * ((float)after[i] / (float)before[i] - 1.0f);
+        more += (float)jp_saturate32(plan->change[i]) * ((float)after[i] / (float)before[i] - 1.0f);
     }
     return energy > 0.0f ? jp_plane_larger(1.0f + more / energy, RATIO_MIN) : 1.0f;
 }
