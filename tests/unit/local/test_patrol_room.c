@@ -295,7 +295,7 @@ static void test_step_from_where_another_leads_to_the_goal(void)
     TEST_ASSERT_TRUE(jp_plane_length(target.x, target.y) < 0.2f);
     search.into_reach = 0.1f;
     TEST_ASSERT_FALSE(jp_patrol_find_step(&patrol, &search, &target));
-    /* A ring of posts that the robot turns within, but does not get out of or into without coming nearer. */
+    /* Nearer to a box than the clearance: what leads in without coming nearer is still free. */
     search.into_reach = 0.2f;
     search.into_clearance = 9.0f;
     put_box(1.0f, -0.1f, 1.1f, 0.1f);
