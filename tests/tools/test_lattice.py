@@ -295,7 +295,9 @@ def test_steps_that_are_counted_badly_are_named(tmp_path):
 
     assert said("zhang2018", 0.2) == said("gao2018", 0.025) == []
     line, = said("gao2018", 0.01)
-    step = json.loads((tmp_path / "lattice.json").read_text())["costs"][0]["moves"][0]["climb"][0] / 65536
+    found = lattice_import.read_primitives(tmp_path / "sample.mprim")
+    data = lattice.run_on_primitives(ROOT / "sim/robots/gao2018.cfg", "sample.mprim", found.input)
+    step = data["costs"][0]["moves"][0]["climb"][0] / 65536
     assert f"takes {step / 16:.2g} J, {step:.2g} of the units" in line
     assert "each primitive is rounded to whole ones" in line
     line, = said(write_tiny_robot(tmp_path), 0.01)
