@@ -45,8 +45,8 @@ static void track(struct jp_skid_follow *follow, const struct jp_skid_odometry *
 
     jp_skid_odometry_now(odometry, config, &pose.position, &pose.heading);
     jp_path_drive_track(&follow->drive, &follow->at, &pose, &follow->motion);
-    follow->acceleration = jp_saturate32(
-        jp_multiply(follow->motion.speed - before, (int32_t)(config->tick_rate / JP_TICKS_PER_PATH_POINT)));
+    follow->acceleration =
+        jp_saturate32(jp_multiply(follow->motion.speed - before, (int32_t)config->tick_rate / JP_TICKS_PER_PATH_POINT));
     follow->next = JP_SKID_FOLLOW_ADVANCE;
 }
 
