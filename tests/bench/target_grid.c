@@ -24,7 +24,8 @@ static uint32_t slices;
 
 static void plan_scene(uint32_t seed)
 {
-    static const struct jp_grid_planner_config config = {JP_GRID_ANY_ANGLE, JP_Q16(0.5), TUBE};
+    static const struct jp_grid_planner_config config = {
+        .method = JP_GRID_ANY_ANGLE, .clearance = JP_Q16(0.5), .tube = TUBE};
     struct scene_task task;
     const char *field = "";
 
