@@ -77,6 +77,7 @@ static struct jp_patrol_mission_config mission_config(const struct jp_patrol_pil
 
     return (struct jp_patrol_mission_config){.patrol = *config->patrol,
                                              .map = map,
+                                             .energy = &pilot->ledger.learner.model,
                                              .turns_before_goal = config->patrol->turns_in_place,
                                              .points_max = config->points_max,
                                              .turns_max = config->turns_max};
