@@ -173,6 +173,12 @@ bench-goals: ## measure the patrol robot to 200 random goals on each map of othe
 	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_goals $(LOCALISE_MAPS)
 	$(BUILD)/bench/bench_goals $(LOCALISE_MAPS) >$(BUILD)/bench/bench_goals.json
 
+.PHONY: bench-patrol-plans
+bench-patrol-plans: ## measure what planning by joules brings the patrol robot beside planning by length, driven on maps of others
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_patrol_plans $(LOCALISE_MAPS)
+	$(BUILD)/bench/bench_patrol_plans $(LOCALISE_MAPS) >$(BUILD)/bench/bench_patrol_plans.json
+
 .PHONY: bench-skid-drive
 bench-skid-drive: ## measure what plans of the skid-steered robot take when they are driven over the 20 scenes (4 minutes)
 	@tools/setup.sh test
