@@ -120,7 +120,7 @@ static void add_pair(struct sums *sums, const struct pair *pair)
     sums->reachable += pair->is_reachable;
     sums->joules_missed += pair->is_reachable && !has_joules;
     sums->length_missed += pair->is_reachable && !has_length;
-    if (!has_joules || !has_length) {
+    if (!pair->is_reachable || !has_joules || !has_length) {
         return;
     }
     const bool is_other = fabs(pair->joules.path_length - pair->length.path_length) > OTHER_WAY;
