@@ -21,7 +21,8 @@
 #define LENGTH_BITS_MAX 28U
 
 enum {
-    CELLS_PER_UNIT = 8, /* measured for a unit of the budget */
+    CELLS_PER_UNIT = 8,      /* measured for a unit of the budget */
+    LINE_CELLS_PER_UNIT = 4, /* of a line that is priced, three times */
     RINGS_PER_CELL_MAX = 64,
     STEP = 5, /* to the next cell, and to a diagonal one, by which distances are counted */
     DIAGONAL_STEP = 7,
@@ -285,6 +286,10 @@ uint64_t jp_grid_line_price(const struct jp_grid_planner_internal *planner, cons
                             const struct jp_point *to)
 {
     const struct jp_terrain_config *const map = &planner->terrain->config;
+
+    if (!planner->is_priced) {
+        return (uint64_t)jp_distance(from, to) * PRICE_ONE;
+    }
     const struct length length = length_of(from, to);
     struct axis x = axis_of(from->x, to->x, map->resolution);
     struct axis y = axis_of(from->y, to->y, map->resolution);
@@ -292,9 +297,6 @@ uint64_t jp_grid_line_price(const struct jp_grid_planner_internal *planner, cons
     int64_t sum = 0; /* Q38 */
     int64_t at = 0;
 
-    if (!planner->is_priced) {
-        return ((uint64_t)length.value * PRICE_ONE) >> length.bits;
-    }
     while (at < LINE_ONE) {
         const int64_t before = at;
         const int64_t crossing = x.next < y.next ? x.next : y.next;
@@ -314,6 +316,16 @@ uint64_t jp_grid_line_price(const struct jp_grid_planner_internal *planner, cons
         pass(&y, at);
     }
     return (uint64_t)(((sum >> 14) * length.value) >> (16U + length.bits));
+}
+
+unsigned jp_grid_line_units(const struct jp_grid_planner_internal *planner, const struct jp_point *from,
+                            const struct jp_point *to)
+{
+    const int32_t dx = from->x < to->x ? to->x - from->x : from->x - to->x;
+    const int32_t dy = from->y < to->y ? to->y - from->y : from->y - to->y;
+    const int32_t cells = (dx + dy) / planner->terrain->config.resolution;
+
+    return planner->is_priced ? 1U + (unsigned)(cells / (int32_t)LINE_CELLS_PER_UNIT) : 1U;
 }
 
 uint32_t jp_grid_line_cost(const struct jp_grid_planner_internal *planner, const struct jp_point *from,

@@ -42,4 +42,8 @@ uint64_t jp_grid_line_price(const struct jp_grid_planner_internal *planner, cons
 uint32_t jp_grid_line_cost(const struct jp_grid_planner_internal *planner, const struct jp_point *from,
                            const struct jp_point *to);
 
+/** Units of the budget for what looks along a line a few times: 1, and more for a long line that is priced. */
+unsigned jp_grid_line_units(const struct jp_grid_planner_internal *planner, const struct jp_point *from,
+                            const struct jp_point *to);
+
 #endif

@@ -258,36 +258,30 @@ static jp_q16 best_along(jp_q16 along, jp_q16 across, jp_q16 relative)
     return jp_clamp32(jp_sub(along, shift), MARGIN, ONE - MARGIN);
 }
 
-/** A successor at a point of an edge. At the edge's second end it is exact even when the cost of the first end is not
- *  known (GRID_COST_MAX): the unsigned sums wrap. */
-static struct successor successor_at(const struct jp_grid_planner_internal *planner, const struct grid_edge *edge,
-                                     jp_q16 along)
+/** A successor at a point of an edge, but for its total. At the edge's second end it is exact even when the cost of the
+ *  first end is not known (GRID_COST_MAX): the unsigned sums wrap. */
+static struct successor successor_at(const struct grid_edge *edge, jp_q16 along)
 {
     const jp_q16 x = edge->x * ONE + (edge->is_northward ? 0 : along);
     const jp_q16 y = edge->y * ONE + (edge->is_northward ? along : 0);
-    struct successor successor = {.place = {x, y}};
-    const struct jp_point from = point_of(planner, &planner->place);
-    const struct jp_point to = point_of(planner, &successor.place);
 
-    successor.cost = edge->first + (uint32_t)jp_q16_multiply(along, slope_of(edge));
-    successor.total = successor.cost + jp_grid_line_cost(planner, &from, &to);
-    return successor;
+    return (struct successor){.place = {x, y}, .cost = edge->first + (uint32_t)jp_q16_multiply(along, slope_of(edge))};
 }
 
-/** True for a successor of lower cost-to-go: so the descent cannot cycle. */
-static bool leads_down(const struct jp_grid_planner_internal *planner, const struct successor *successor)
-{
-    return successor->cost < planner->place_cost;
-}
-
+/** Only a successor of lower cost-to-go will do: so the descent cannot cycle. */
 static void consider(const struct jp_grid_planner_internal *planner, const struct grid_edge *edge, jp_q16 along,
                      struct successor *best)
 {
-    const struct successor successor = successor_at(planner, edge, along);
+    struct successor successor = successor_at(edge, along);
+
+    if (successor.cost >= planner->place_cost || successor.cost >= best->total) {
+        return;
+    }
     const struct jp_point from = point_of(planner, &planner->place);
     const struct jp_point to = point_of(planner, &successor.place);
 
-    if (successor.total < best->total && leads_down(planner, &successor) && jp_grid_line_is_free(planner, &from, &to)) {
+    successor.total = successor.cost + jp_grid_line_cost(planner, &from, &to);
+    if (successor.total < best->total && jp_grid_line_is_free(planner, &from, &to)) {
         *best = successor;
     }
 }

@@ -49,6 +49,18 @@ bool jp_grid_path_add(const struct jp_grid_planner_internal *planner, struct jp_
     return true;
 }
 
+static void spend(unsigned *budget, unsigned units)
+{
+    *budget = *budget > units ? *budget - units : 0U;
+}
+
+/** Of adding a point to a path. */
+static unsigned units_to(const struct jp_grid_planner_internal *planner, const struct jp_grid_path *path,
+                         const struct jp_point *point)
+{
+    return path->count >= 2U ? jp_grid_line_units(planner, &path->points[path->count - 2U], point) : 1U;
+}
+
 /** The cursor is the cell that is traced, place_cost its cost along the path. A cell in the middle of a run may have
  * been reached from elsewhere at another cost: the trace then keeps its direction. */
 enum jp_grid_progress jp_grid_path_trace(struct jp_grid_planner_internal *planner, unsigned *budget)
@@ -61,8 +73,9 @@ enum jp_grid_progress jp_grid_path_trace(struct jp_grid_planner_internal *planne
     int32_t y = (int32_t)row;
 
     while (*budget > 0U) {
-        --*budget;
-        if (!jp_grid_path_add(planner, &planner->path, jp_grid_centre(planner, x, y), shortcut)) {
+        const struct jp_point place = jp_grid_centre(planner, x, y);
+        spend(budget, units_to(planner, &planner->path, &place));
+        if (!jp_grid_path_add(planner, &planner->path, place, shortcut)) {
             return GRID_FULL;
         }
         if (jp_grid_node(planner, x, y)->g == planner->place_cost) {
@@ -175,8 +188,10 @@ enum jp_grid_progress jp_grid_path_tighten(struct jp_grid_planner_internal *plan
             }
         } else {
             const uint32_t count = path->count;
+            const struct jp_point *const points = path->points;
+            spend(budget,
+                  HALVINGS * jp_grid_line_units(planner, &points[planner->cursor - 1U], &points[planner->cursor + 1U]));
             tighten_at(planner, path, planner->cursor);
-            *budget = *budget > (unsigned)HALVINGS ? *budget - (unsigned)HALVINGS : 0U;
             planner->cursor += path->count == count ? 1U : 0U;
         }
     }
