@@ -1,5 +1,6 @@
 /* Missions of the patrol robot on small maps: goals straight on, approached, seen to be blocked on the way, planned
  * anew, given up; and what is refused. */
+#include <joulepath/patrol_forecast.h>
 #include <joulepath/patrol_mission.h>
 
 #include "tests/support/patrol_rig.h"
@@ -470,6 +471,41 @@ static void test_by_joules_a_path_has_its_price(void)
     TEST_ASSERT_NEAR(1.0f, 3.6f * 75.0f, mission.price);
     start(1.64f, 4.05f, 0.0f);
     TEST_ASSERT_NEAR(1e-6f, 0.0f, mission.price);
+}
+
+/* Of the way that was found, as the leg is foretold, J. */
+static float foretold(float *seconds)
+{
+    const struct jp_patrol_plan leg = {.start = mission.patrol.pose,
+                                       .path = mission.path,
+                                       .path_count = mission.path_count,
+                                       .goal = {.pose = mission.internal.goal, .is_heading_free = true},
+                                       .tick_rate = 100};
+    struct jp_four_wheel_drive drive = {0};
+
+    *seconds = 0.0f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&mission.config.patrol, &energy, &leg, &drive, seconds));
+    return (float)(int32_t)drive.energy / (float)JP_Q16_ONE;
+}
+
+/* Of two ways that begin and end alike the difference is the same by the price and as it is foretold, with its time. */
+static void test_by_joules_price_and_forecast_agree(void)
+{
+    float short_seconds;
+    float long_seconds;
+
+    plan_by_joules(100.0f, 0.2f);
+    start(4.05f, 4.05f, 0.0f);
+    const float short_price = mission.price;
+    const float short_energy = foretold(&short_seconds);
+
+    start(7.05f, 4.05f, 0.0f);
+    const float price = mission.price - short_price;
+    const float driven = foretold(&long_seconds) - short_energy;
+    const float time = mission_config.patrol.price.worth * (long_seconds - short_seconds);
+
+    TEST_ASSERT_NEAR(1.0f, price, driven + time);
+    TEST_ASSERT_TRUE(driven > 100.0f);
 }
 
 /* Nearer than 10 cm it goes only where there is no other way, however long that is. */
