@@ -269,7 +269,8 @@ static void begin_leg(struct patrol_mission *m)
                                        .path = m->navigator.path,
                                        .path_count = m->navigator.path_count,
                                        .goal = {*goal_of(m), false},
-                                       .tick_rate = FOUR_WHEEL_RATE_HZ};
+                                       .tick_rate = FOUR_WHEEL_RATE_HZ,
+                                       .ground = &m->task->scene->map};
 
     patrol_energy_begin(&m->energy, leg_index(m), &m->navigator.config.patrol, &leg, m->time);
 }

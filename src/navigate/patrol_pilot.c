@@ -407,7 +407,8 @@ static struct jp_patrol_plan plan_of(const struct jp_patrol_pilot *pilot)
         .path = pilot->mission.path,
         .path_count = pilot->mission.path_count,
         .goal = {.pose = pilot->internal.goals[pilot->internal.goal_next], .is_heading_free = false},
-        .tick_rate = jp_four_wheel_robot_configuration(pilot->internal.robot)->tick_rate};
+        .tick_rate = jp_four_wheel_robot_configuration(pilot->internal.robot)->tick_rate,
+        .ground = pilot->mission.config.map};
 }
 
 /** The way to the goal was found for the first time. */
