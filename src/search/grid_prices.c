@@ -44,7 +44,7 @@ static void set_slopes(const jp_q16 energy[JP_GRID_GRADES], int64_t rise, struct
 enum jp_status jp_grid_prices_set(const struct jp_four_wheel_energy_model *model, jp_q24 speed, jp_q16 second,
                                   struct jp_grid_prices *prices)
 {
-    jp_q16 energy[JP_GRID_GRADES];
+    jp_q16 energy[JP_GRID_GRADES] = {0};
 
     if (prices == NULL || !jp_is_between(second, 0, SECOND_MAX)) {
         return JP_ERR_ARGUMENT;
