@@ -239,6 +239,7 @@ ARGS.fixed            = --count 4294967296
 ARGS.four_wheel       = --count 1000000
 ARGS.four_wheel_plant = --count 1000
 ARGS.grid_planner     = --count 4000
+ARGS.grid_prices      = --count 4000 --seed 20261126
 ARGS.horizon          = --count 1000
 ARGS.planner          = --count 100000
 ARGS.planner_memory   = --count 1200
