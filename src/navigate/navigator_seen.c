@@ -76,17 +76,22 @@ bool jp_seen_may_mislead(const struct jp_navigator *navigator)
     return navigator->config.seen != NULL && internal->has_moved && internal->forgets < FORGETS_MAX;
 }
 
+static void take_back(struct jp_navigator *navigator, uint32_t x, uint32_t y)
+{
+    const unsigned entry = entry_at(navigator, x, y);
+
+    if (entry != 0U) {
+        (void)jp_seen_set_cell(navigator, (int32_t)x, (int32_t)y, (enum jp_cell)(entry - 1U));
+    }
+}
+
 void jp_seen_forget(struct jp_navigator *navigator)
 {
     const struct jp_terrain_config *map = &map_of(navigator)->config;
 
-    for (uint32_t y = 0; y < map->height; y++) {
-        for (uint32_t x = 0; x < map->width; x++) {
-            const unsigned entry = entry_at(navigator, x, y);
-
-            if (entry != 0U) {
-                (void)jp_seen_set_cell(navigator, (int32_t)x, (int32_t)y, (enum jp_cell)(entry - 1U));
-            }
+    for (uint32_t y = map->height; y > 0U; y--) {
+        for (uint32_t x = map->width; x > 0U; x--) {
+            take_back(navigator, x - 1U, y - 1U);
         }
     }
     navigator->forgets++;
