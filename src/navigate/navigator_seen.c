@@ -81,7 +81,9 @@ static void take_back(struct jp_navigator *navigator, uint32_t x, uint32_t y)
     const unsigned entry = entry_at(navigator, x, y);
 
     if (entry != 0U) {
-        (void)jp_seen_set_cell(navigator, (int32_t)x, (int32_t)y, (enum jp_cell)(entry - 1U));
+        const unsigned was = entry - 1U;
+
+        (void)jp_seen_set_cell(navigator, (int32_t)x, (int32_t)y, (enum jp_cell)was);
     }
 }
 
