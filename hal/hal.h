@@ -17,8 +17,9 @@ extern "C" {
 struct jp_hal {
     void *context; /**< handed to each function */
 
-    /** Fills *sensors with this tick's measurements in the units of sensors.h. JP_ERR_HARDWARE: a device did not
-     *  answer; *sensors keeps what could be read. */
+    /** Fills *sensors with this tick's measurements in the units of sensors.h. JP_HELD: none came, and *sensors goes on
+     *  from the last one; as on a bus that lost a frame. JP_ERR_HARDWARE: a device did not answer; *sensors keeps what
+     *  could be read. */
     enum jp_status (*read)(void *context, struct jp_sensors *sensors);
 
     /** Applies both duties at once; `enabled` 0 switches the bridges off. JP_ERR_HARDWARE: the bridges are off. */
@@ -30,7 +31,7 @@ struct jp_hal {
 struct jp_four_wheel_hal {
     void *context; /**< handed to each function */
 
-    /** As of struct jp_hal. */
+    /** As of struct jp_hal; it never holds: nothing new is JP_ERR_HARDWARE, which the robot rides out for a while. */
     enum jp_status (*read)(void *context, struct jp_four_wheel_sensors *sensors);
 
     /** Applies the set-points of all wheels at once; `enabled` 0 switches the drives off. JP_ERR_HARDWARE: they are

@@ -12,6 +12,9 @@
 #define ENERGY_SHIFT   13U /* Q16 to Q3 */
 #define POINT_SHIFT    9U  /* Q16 to Q7 */
 
+/** Of the signal, which wraps. */
+#define FORGETS_MASK 15U
+
 #define WAY_SHIFT  29U /* Q32 to Q3 */
 #define LEFT_SHIFT 28U /* Q32 to Q4 */
 
@@ -79,9 +82,13 @@ static enum jp_status prepare_navigator(void *self, struct jp_terrain *map, cons
                                                   .slice = JP_NAVIGATION_SLICE,
                                                   .patience = JP_NAVIGATION_PATIENCE,
                                                   .way_block = config->way,
-                                                  .way_size = config->way_size};
+                                                  .way_size = config->way_size,
+                                                  .seen = config->seen,
+                                                  .seen_size = config->seen_size};
+    const bool has_room = jp_navigator_way_size(&map->config) <= config->way_size &&
+                          jp_navigator_seen_size(&map->config) <= config->seen_size;
     const char *field;
-    enum jp_status status = jp_navigator_way_size(&map->config) > config->way_size ? JP_ERR_MEMORY : JP_OK;
+    enum jp_status status = has_room ? JP_OK : JP_ERR_MEMORY;
 
     if (status == JP_OK) {
         status = jp_planner_init(&navigation->planner, &planner, map, config->planner, config->planner_size, &field);
@@ -219,7 +226,8 @@ static void tell_of_navigator(const void *self, struct jp_way_report *report)
     *report = (struct jp_way_report){.state = is_preparing(navigation) ? JP_NAVIGATOR_PLANNING : navigator->state,
                                      .reason = navigator->reason,
                                      .status = navigator->status,
-                                     .replans = navigator->replans};
+                                     .replans = navigator->replans,
+                                     .forgets = navigator->forgets};
     report->legs = jp_navigator_legs(navigator, &report->leg_count);
     (void)jp_navigator_progress(navigator, &report->progress);
 }
@@ -242,6 +250,9 @@ static const char *missing(const struct jp_navigation_config *config)
     }
     if (config->way == NULL) {
         return "way";
+    }
+    if (config->seen == NULL) {
+        return "seen";
     }
     return config->legs == NULL || config->legs_max == 0U ? "legs" : NULL;
 }
@@ -467,6 +478,7 @@ static void tell_state(const struct jp_navigation *navigation, const struct jp_w
                                                        .reason = (uint8_t)way->reason,
                                                        .answer = (uint8_t)navigation->answer,
                                                        .has_course = way->leg_count > 0U,
+                                                       .forgets = way->forgets & FORGETS_MASK,
                                                        .vehicle_status = (int8_t)way->status,
                                                        .replans = count8(way->replans),
                                                        .course = navigation->course,

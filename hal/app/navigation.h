@@ -68,6 +68,8 @@ struct jp_navigation_config {
     size_t planner_size;
     void *way; /**< jp_navigator_way_size() bytes of the largest map */
     size_t way_size;
+    uint8_t *seen; /**< jp_navigator_seen_size() bytes of the largest map */
+    size_t seen_size;
     struct jp_course_leg *legs;
     uint16_t legs_max; /**< at least 1 */
     /** NULL: there is no memory for it. All its pointers are there. It must stay. */
@@ -105,6 +107,7 @@ struct jp_way_report {
     enum jp_navigator_reason reason;
     enum jp_status status; /**< of the robot, where it is the reason */
     uint16_t replans;
+    uint8_t forgets;                  /**< how often the map is as it was uploaded again, wrapping */
     struct jp_progress progress;      /**< what is left; all 0 without a way */
     const struct jp_course_leg *legs; /**< that are left, from the one that is driven */
     uint16_t leg_count;               /**< 0: there is no course */

@@ -23,9 +23,13 @@
 #define JP_NAVIGATION_WORDS     (((JP_NAVIGATION_SIDE + 31) / 32) * JP_NAVIGATION_SIDE)
 #define JP_NAVIGATION_WAY_WORDS ((3 * JP_NAVIGATION_WORDS + 1) / 2)
 
+/** Bytes of two bits for each cell that was seen. */
+#define JP_NAVIGATION_SEEN ((JP_NAVIGATION_SIDE + 3) / 4 * JP_NAVIGATION_SIDE)
+
 struct jp_navigation_ground {
     uint64_t map[JP_NAVIGATION_WORDS];
     uint64_t way[JP_NAVIGATION_WAY_WORDS];
+    uint8_t seen[JP_NAVIGATION_SEEN];
     struct jp_course_leg legs[JP_NAVIGATION_LEGS];
 };
 
@@ -74,6 +78,8 @@ static inline struct jp_navigation_config jp_navigation_config_of(const struct j
                                          .planner_size = sizeof block->words,
                                          .way = ground->way,
                                          .way_size = sizeof ground->way,
+                                         .seen = ground->seen,
+                                         .seen_size = sizeof ground->seen,
                                          .legs = ground->legs,
                                          .legs_max = JP_NAVIGATION_LEGS,
                                          .home = NULL};

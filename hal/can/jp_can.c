@@ -4433,6 +4433,7 @@ int jp_can_navigation_status_pack(
     dst_p[1] |= pack_left_shift_u8(src_p->reason, 4u, 0xf0u);
     dst_p[2] |= pack_left_shift_u8(src_p->answer, 0u, 0x07u);
     dst_p[2] |= pack_left_shift_u8(src_p->has_course, 3u, 0x08u);
+    dst_p[2] |= pack_left_shift_u8(src_p->forgets, 4u, 0xf0u);
     vehicle_status = (uint8_t)src_p->vehicle_status;
     dst_p[3] |= pack_left_shift_u8(vehicle_status, 0u, 0xffu);
     dst_p[4] |= pack_left_shift_u8(src_p->replans, 0u, 0xffu);
@@ -4458,6 +4459,7 @@ int jp_can_navigation_status_unpack(
     dst_p->reason = unpack_right_shift_u8(src_p[1], 4u, 0xf0u);
     dst_p->answer = unpack_right_shift_u8(src_p[2], 0u, 0x07u);
     dst_p->has_course = unpack_right_shift_u8(src_p[2], 3u, 0x08u);
+    dst_p->forgets = unpack_right_shift_u8(src_p[2], 4u, 0xf0u);
     vehicle_status = unpack_right_shift_u8(src_p[3], 0u, 0xffu);
     dst_p->vehicle_status = (int8_t)vehicle_status;
     dst_p->replans = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
@@ -4526,6 +4528,16 @@ bool jp_can_navigation_status_has_course_is_in_range(uint8_t value)
 bool jp_can_navigation_status_has_course_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 1.0));
+}
+
+bool jp_can_navigation_status_forgets_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_navigation_status_forgets_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
 }
 
 bool jp_can_navigation_status_vehicle_status_is_in_range(int8_t value)

@@ -634,6 +634,7 @@ extern "C" {
 #define JP_CAN_NAVIGATION_STATUS_REASON_NAME "Reason"
 #define JP_CAN_NAVIGATION_STATUS_ANSWER_NAME "Answer"
 #define JP_CAN_NAVIGATION_STATUS_HAS_COURSE_NAME "HasCourse"
+#define JP_CAN_NAVIGATION_STATUS_FORGETS_NAME "Forgets"
 #define JP_CAN_NAVIGATION_STATUS_VEHICLE_STATUS_NAME "VehicleStatus"
 #define JP_CAN_NAVIGATION_STATUS_REPLANS_NAME "Replans"
 #define JP_CAN_NAVIGATION_STATUS_COURSE_NAME "Course"
@@ -2540,6 +2541,15 @@ struct jp_can_navigation_status_t {
      * Offset: 0
      */
     uint8_t has_course;
+
+    /**
+     * One more, wrapping, each time the map is again as it was uploaded, as by what was seen no way led to the goal: what is seen otherwise is to be sent again.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t forgets;
 
     /**
      * enum jp_status of the robot where it gave up; 0 is ok.
@@ -8286,6 +8296,28 @@ bool jp_can_navigation_status_has_course_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool jp_can_navigation_status_has_course_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_forgets_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_navigation_status_forgets_is_in_phys_range(double value);
 
 /**
  * Check that given signal is in allowed range.

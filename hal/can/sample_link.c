@@ -173,5 +173,5 @@ enum jp_status jp_sample_link_read(struct jp_sample_link *link, const struct jp_
         read_fresh(link, good, sensors);
         return JP_OK;
     }
-    return bridge(link, good, sensors) ? JP_OK : JP_ERR_HARDWARE;
+    return bridge(link, good, sensors) ? JP_HELD : JP_ERR_HARDWARE;
 }

@@ -63,8 +63,9 @@ void jp_sample_link_resume(struct jp_sample_link *link, uint32_t encoder_left, u
 enum jp_e2e_result jp_sample_link_accept(struct jp_sample_link *link, enum jp_sample_part part,
                                          const struct jp_can_frame *frame);
 
-/** The sample of this tick. `good` is the last plausible one, which is held while none comes. JP_ERR_HARDWARE: none for
- *  more than JP_SAMPLE_HOLD_MS, or none yet; *sensors is not written. For the control ISR. */
+/** The sample of this tick. `good` is the last plausible one, which is held while none comes: JP_HELD, and where the
+ *  encoders must be by now. JP_ERR_HARDWARE: none for more than JP_SAMPLE_HOLD_MS, or none yet; *sensors is not
+ * written. For the control ISR. */
 enum jp_status jp_sample_link_read(struct jp_sample_link *link, const struct jp_sensors *good,
                                    struct jp_sensors *sensors);
 

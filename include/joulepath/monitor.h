@@ -5,8 +5,9 @@
  * `confirm_ticks` it is a fault. But an impact, as of a wheel on an edge, is felt by the whole IMU: when the specific
  * force changes by more than 1 g in a tick or leaves its range, jumps of the rates and forces out of range are believed
  * from the next tick on and for `residual_ticks`. An IMU that goes on like that is a fault then. An IMU is frozen when
- * one of its channels repeats the same bits for `freeze_ticks`. An encoder that stops, slips or runs away is a fault
- * when the residual of the motor current, i − (u − kb ω)/Rm, exceeds its limit for `residual_ticks`.
+ * one of its channels repeats the same bits for `freeze_ticks`. A frame that is held because none was measured tells
+ * nothing of the sensors: it makes none frozen, and no implausible one plausible. An encoder that stops, slips or runs
+ * away is a fault when the residual of the motor current, i − (u − kb ω)/Rm, exceeds its limit for `residual_ticks`.
  */
 #ifndef JOULEPATH_MONITOR_H
 #define JOULEPATH_MONITOR_H
@@ -56,7 +57,7 @@ struct jp_monitor_config {
     jp_q16 half_track;               /**< W/(2R), turns of a wheel for one of the body; above 0, at most 64 */
     jp_turns_per_s wheel_rate_limit; /**< |mean wheel rate| beyond it is a runaway, turn/s; above 0 */
     jp_q16 current_residual;         /**< |i − (u − kb ω)/Rm| beyond it contradicts, A; above 0 */
-    uint16_t confirm_ticks;          /**< ticks until range, jump and runaway become faults; at least 1 */
+    uint16_t confirm_ticks;          /**< readings until range, jump and runaway become faults; at least 1 */
     uint16_t freeze_ticks;   /**< equal readings of an IMU channel until frozen; 0 is off (a simulated ideal IMU) */
     uint16_t residual_ticks; /**< contradicting ticks until an encoder fault, and how long an impact explains what an
                                 IMU says; at least 1 */
@@ -83,8 +84,9 @@ enum jp_status jp_monitor_check(const struct jp_monitor_config *config, const ch
 /** Starts with no good frame and no fault. The configuration must have passed its check. */
 void jp_monitor_start(struct jp_monitor *monitor, const struct jp_monitor_config *config);
 
-/** Checks one frame and takes it as the `good` one unless it is implausible or `read` is a failure.
- *  Returns the confirmed faults, 0 for none. Constant time; for the control ISR. */
+/** Checks one frame and takes it as the `good` one unless it is implausible or `read` is a failure. JP_HELD: nothing
+ * was measured, and the frame goes on from the good one. Returns the confirmed faults, 0 for none. Constant time; for
+ * the control ISR. */
 uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_config *config, enum jp_status read,
                             const struct jp_sensors *sensors);
 

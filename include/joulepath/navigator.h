@@ -18,7 +18,9 @@
  *
  * What the robot sees is on the map where its odometry puts it, and a drift of a decimetre may push a wall onto the
  * goal. Where the goal's cell is blocked on its way, the robot goes to the nearest one from which its disc still covers
- * it.
+ * it. And where no route leads to the goal, or the robot is hemmed in, what it saw before may be where its odometry was
+ * then: with memory for that it takes the map as it was, looks round for as long as it would wait for a
+ * route, and plans anew; three times on the way to a goal, each time after it has moved.
  *
  * Points are m from the south-west corner of the map. Where the robot's odometry began on the map is told at the start.
  * Integers only: the same bits on every core. Nothing here is for ISRs.
@@ -51,6 +53,8 @@ struct jp_navigator_config {
     void *way_block;   /**< jp_navigator_way_size() bytes, in which a way is found, or it is proved that there is none,
                             where the planner finds no route; null: then that is a failure */
     size_t way_size;   /**< of it */
+    uint8_t *seen;     /**< jp_navigator_seen_size() bytes, by which what was seen can be forgotten; null: it is not */
+    size_t seen_size;  /**< of it */
 };
 
 enum jp_navigator_state {
@@ -62,7 +66,7 @@ enum jp_navigator_state {
     JP_NAVIGATOR_DRIVING,     /**< along the course */
     JP_NAVIGATOR_BRAKING,     /**< to a stand, for which it plans anew meanwhile */
     JP_NAVIGATOR_ARRIVED,     /**< stands at the goal or, where that was blocked on the way, over it */
-    JP_NAVIGATOR_UNREACHABLE, /**< proved: no route leads to the goal on this map */
+    JP_NAVIGATOR_UNREACHABLE, /**< proved: no route leads to the goal on this map, with what is seen of it */
     JP_NAVIGATOR_FAILED       /**< see the reason */
 };
 
@@ -101,7 +105,8 @@ enum jp_navigator_search {
     JP_NAVIGATOR_WAY,          /**< there was no route in time: a way of unit steps */
     JP_NAVIGATOR_ROUTE_OR_WAY, /**< there is a way: a route, until the planner has done what it can */
     JP_NAVIGATOR_PROOF,        /**< there is no such way: that there is none at all */
-    JP_NAVIGATOR_ROUTE_ONLY    /**< there may be one: a route, until the planner has done what it can */
+    JP_NAVIGATOR_ROUTE_ONLY,   /**< there may be one: a route, until the planner has done what it can */
+    JP_NAVIGATOR_LOOK_ROUND    /**< nothing yet: what was seen before is forgotten */
 };
 
 /** Private: what is done while joining. */
@@ -131,6 +136,8 @@ struct jp_navigator_internal {
     uint32_t spent;                                /**< expansions since the search began */
     uint32_t map_seen;                             /**< version of the map when the way ahead was looked at */
     enum jp_navigator_search search;
+    uint8_t forgets; /**< on the way to this goal */
+    bool has_moved;  /**< since it last knew no more than its map */
     bool has_route;  /**< to the goal, of the planner, from where the robot is */
     jp_q16 duration; /**< of the course, s */
     struct jp_forecast energy;
@@ -145,14 +152,19 @@ struct jp_navigator {
     enum jp_navigator_reason reason;
     enum jp_status status; /**< of the vehicle, where it is the reason */
     uint16_t replans;      /**< of this goal, saturating */
+    uint8_t forgets;       /**< how often it has forgotten what it saw, wrapping: who sees for it tells all again */
     struct jp_navigator_internal internal;
 };
 
 /** Bytes of `way_block` for a map; 0 when its configuration is out of range. Constant time. */
 size_t jp_navigator_way_size(const struct jp_terrain_config *config);
 
+/** Bytes of `seen` for a map whose configuration is in range. Constant time. */
+size_t jp_navigator_seen_size(const struct jp_terrain_config *map);
+
 /** Prepares a navigator for a robot whose odometry began at `origin`. JP_ERR_CONFIG: *field names the first member that
- *  is null or out of range. JP_ERR_ARGUMENT: a pointer is null. Constant time. */
+ *  is null or out of range. JP_ERR_ARGUMENT: a pointer is null. Constant time but for `seen`, all of which is cleared.
+ */
 enum jp_status jp_navigator_init(struct jp_navigator *navigator, const struct jp_navigator_config *config,
                                  const struct jp_place *origin, const char **field);
 
@@ -177,7 +189,8 @@ enum jp_status jp_navigator_set_cell(struct jp_navigator *navigator, int32_t x, 
 
 /** A slice of background work: of the vehicle, and one slice of the planner or of what looks for a way, some lines of
  *  the course, or one leg of the survey; while driving, after a change of the map, a look at the legs ahead. Constant
- * work otherwise. */
+ *  work otherwise, but where it forgets what it saw: then all of `seen`, and jp_planner_set_cell() of each cell of it.
+ */
 enum jp_navigator_state jp_navigator_work(struct jp_navigator *navigator);
 
 /** Where the robot is on the map, by its odometry. */

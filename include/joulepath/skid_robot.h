@@ -197,8 +197,9 @@ enum jp_status jp_skid_robot_init(struct jp_skid_robot *robot, const struct jp_s
 
 /**
  * The part of a control tick that the bridges wait for: sensors to duties. `read` is what the HAL returned for the
- * frame: after an error the last good frame serves until the fault is confirmed. jp_skid_robot_account() must follow
- * before anything else looks at the robot. Constant time; for the control ISR; instructions: tests/bench/FIGURES.md.
+ * frame: after an error the last good frame serves until the fault is confirmed; JP_HELD tells nothing of the sensors.
+ * jp_skid_robot_account() must follow before anything else looks at the robot. Constant time; for the control ISR;
+ * instructions: tests/bench/FIGURES.md.
  */
 void jp_skid_robot_control(struct jp_skid_robot *robot, enum jp_status read, const struct jp_sensors *sensors,
                            struct jp_actuation *actuation);

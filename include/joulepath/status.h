@@ -7,6 +7,7 @@ enum jp_status {
     JP_OK = 0,
     JP_WORKING = 1,          /**< there is more to do: call again */
     JP_ARRIVED = 2,          /**< at the end of the path: there is nothing more to do */
+    JP_HELD = 3,             /**< nothing was measured in this tick: the last measurement goes on */
     JP_ERR_ARGUMENT = -1,    /**< a pointer is null or an argument is outside its stated range */
     JP_ERR_CONFIG = -2,      /**< a configuration field is outside its range; the call names the field */
     JP_ERR_INFEASIBLE = -3,  /**< no motion satisfies every limit */

@@ -313,6 +313,7 @@ static void publish_navigation(struct lcm_telemetry *telemetry, uint64_t time_us
                                         .vehicle_status = status->vehicle_status,
                                         .replans = status->replans,
                                         .course = status->course,
+                                        .forgets = (int8_t)status->forgets,
                                         .distance = value(left->distance, 6),
                                         .duration = value(left->duration, 4),
                                         .energy = value((int64_t)left->energy, 3),

@@ -30,8 +30,10 @@ struct run {
     struct clearance_pose start;
     struct clearance_pose before;
     struct course_view course;
-    int shown;      /**< number of the course that was, or -1 */
-    bool has_begun; /**< to drive */
+    uint8_t *uploaded; /**< cells of the map, row by row */
+    uint8_t forgets;   /**< of the ECU, when it was looked at last */
+    int shown;         /**< number of the course that was, or -1 */
+    bool has_begun;    /**< to drive */
     bool has_forecast;
     uint32_t begin_tick;
     int64_t begin_energy;
@@ -143,6 +145,45 @@ static void show(struct run *run)
     }
 }
 
+static size_t cells_of(const struct run *run)
+{
+    const struct jp_terrain_config *map = &run->task->map->config;
+
+    return (size_t)map->width * map->height;
+}
+
+static enum jp_cell cell_now(const struct run *run, size_t i)
+{
+    const size_t width = run->task->map->config.width;
+
+    return jp_terrain_cell(run->task->map, (int32_t)(i % width), (int32_t)(i / width));
+}
+
+static bool note_map(struct run *run)
+{
+    run->uploaded = malloc(cells_of(run));
+    for (size_t i = 0; run->uploaded != NULL && i < cells_of(run); i++) {
+        run->uploaded[i] = (uint8_t)cell_now(run, i);
+    }
+    return run->uploaded != NULL;
+}
+
+/** What the robot has forgotten is told again. */
+static void follow_forgetting(struct run *run)
+{
+    const uint8_t forgets = run->navigation->drive.view.navigation.forgets;
+    const size_t width = run->task->map->config.width;
+
+    if (forgets == run->forgets) {
+        return;
+    }
+    run->forgets = forgets;
+    for (size_t i = 0; i < cells_of(run); i++) {
+        (void)jp_terrain_set_cell(run->task->map, (int32_t)(i % width), (int32_t)(i / width),
+                                  (enum jp_cell)run->uploaded[i]);
+    }
+}
+
 /** What is handed to the operator the robot knows, or will. */
 static bool tell(void *context, int x, int y, enum jp_cell cell)
 {
@@ -159,6 +200,7 @@ static void look(struct run *run)
 
     const struct jp_place believed = believed_of(run);
 
+    follow_forgetting(run);
     navigation_look(run->task, &pose, &believed, result, tell, run);
     navigation_measure(run->task, &run->body, &pose, result);
     result->length_m += hypot(pose.x - run->before.x, pose.y - run->before.y);
@@ -327,7 +369,8 @@ bool bus_navigation_run(struct bus_navigation *navigation, const struct navigati
     navigation->drive.navigation = &navigation->commander;
     uint8_t *bytes = encode(&run, &stream);
 
-    if (bytes == NULL) {
+    if (bytes == NULL || !note_map(&run)) {
+        free(bytes);
         return false;
     }
     navigation->stream_bytes = stream.length;
@@ -335,5 +378,6 @@ bool bus_navigation_run(struct bus_navigation *navigation, const struct navigati
     const bool is_done = drive(&run);
 
     free(bytes);
+    free(run.uploaded);
     return is_done;
 }

@@ -24,9 +24,6 @@
 /** Drives of a trip. */
 #define OUT_AND_HOME 2U
 
-/** So often a robot forgets what it has seen before it takes its goal to be out of reach. */
-#define FORGETS_MAX 3
-
 /** Poses of the way home of a slice. */
 #define HOME_SLICE 500
 
@@ -39,13 +36,12 @@ struct navigation {
     struct jp_course_leg legs[NAVIGATION_LEGS];
     void *way;
     size_t way_size;
+    uint8_t *seen;
+    size_t seen_size;
     struct jp_home home;
     struct jp_course_leg home_legs[NAVIGATION_LEGS];
     void *home_block;
-    uint8_t *known;     /* cells of the map before it saw any */
-    unsigned forgotten; /* how often what it saw, */
-    double forgot_at_m; /* and how far it had driven then */
-    bool was_out;       /* on its way to the goal */
+    bool was_out; /* on its way to the goal */
     struct clearance_pose start;
     struct clearance_pose before;
     double joules_before;
@@ -352,52 +348,6 @@ static void tick(struct navigation *navigation, uint64_t tick)
     }
 }
 
-/** Of the map, cells row by row from the south. */
-static size_t cells_of(const struct navigation *navigation)
-{
-    const struct jp_terrain_config *cells = &navigation->task->map->config;
-
-    return (size_t)cells->width * (size_t)cells->height;
-}
-
-static enum jp_cell cell_now(const struct navigation *navigation, size_t i)
-{
-    const size_t width = (size_t)navigation->task->map->config.width;
-
-    return jp_terrain_cell(navigation->task->map, (int32_t)(i % width), (int32_t)(i / width));
-}
-
-/** What it saw is where its odometry was then, and may block what is free from where that is now: it takes the map as
- * it was, with what it sees now. */
-static void forget(struct navigation *navigation)
-{
-    const size_t width = (size_t)navigation->task->map->config.width;
-
-    for (size_t i = 0; i < cells_of(navigation); i++) {
-        const enum jp_cell known = (enum jp_cell)navigation->known[i];
-
-        if (known != cell_now(navigation, i)) {
-            (void)tell(navigation, (int)(i % width), (int)(i / width), known);
-        }
-    }
-    look(navigation);
-    navigation->forgotten++;
-    navigation->forgot_at_m = navigation->result->length_m;
-}
-
-/** A goal that cannot be reached by what it has seen is tried again, where it has driven since it last knew no more
- * than now. */
-static void try_again(struct navigation *navigation)
-{
-    const double driven = navigation->result->length_m - navigation->forgot_at_m;
-
-    if (navigation->navigator.state == JP_NAVIGATOR_UNREACHABLE && navigation->forgotten < FORGETS_MAX &&
-        driven > navigation->task->map->config.resolution / Q16) {
-        forget(navigation);
-        (void)jp_navigator_go(&navigation->navigator, &navigation->task->goal);
-    }
-}
-
 static bool is_over(const struct navigation *navigation)
 {
     if (navigation->task->battery != NULL) {
@@ -461,9 +411,6 @@ static bool drive(struct navigation *navigation)
     }
     for (uint64_t i = 0; !is_over(navigation) && navigation->result->seconds < task->patience; i++) {
         tick(navigation, i);
-        if (task->battery == NULL) {
-            try_again(navigation);
-        }
         navigation->result->seconds = (double)i / rate;
     }
     conclude(navigation);
@@ -531,7 +478,9 @@ static bool prepare_navigator(struct navigation *navigation, void *block)
                                                .slice = SLICE,
                                                .patience = JP_NAVIGATION_PATIENCE,
                                                .way_block = navigation->way,
-                                               .way_size = navigation->way_size};
+                                               .way_size = navigation->way_size,
+                                               .seen = navigation->seen,
+                                               .seen_size = navigation->seen_size};
     const char *field;
 
     if (jp_planner_init(&navigation->planner, &planner, task->map, block, task->memory, &field) != JP_OK) {
@@ -542,9 +491,6 @@ static bool prepare_navigator(struct navigation *navigation, void *block)
     if (jp_navigator_init(&navigation->navigator, &config, &origin, &field) != JP_OK) {
         error_line("%s: %s is out of the range of the navigator on this map; take other cells", robot->name, field);
         return false;
-    }
-    for (size_t i = 0; i < cells_of(navigation); i++) {
-        navigation->known[i] = (uint8_t)cell_now(navigation, i);
     }
     return task->battery == NULL || prepare_home(navigation);
 }
@@ -561,6 +507,7 @@ static void describe(struct navigation *navigation, const struct navigation_task
     navigation->start = navigation_start(task);
     navigation->before = navigation->start;
     navigation->way_size = jp_navigator_way_size(&task->map->config);
+    navigation->seen_size = jp_navigator_seen_size(&task->map->config);
     note_charge(navigation);
 }
 
@@ -574,10 +521,10 @@ static bool run(const struct navigation_task *task, const struct navigation_robo
     if (navigation != NULL) {
         describe(navigation, task, robot, result);
         navigation->way = malloc(navigation->way_size);
-        navigation->known = malloc(cells_of(navigation));
+        navigation->seen = malloc(navigation->seen_size);
         navigation->home_block = task->battery != NULL ? malloc(jp_home_size(&task->map->config)) : NULL;
     }
-    if (navigation == NULL || navigation->way == NULL || navigation->known == NULL || block == NULL ||
+    if (navigation == NULL || navigation->way == NULL || navigation->seen == NULL || block == NULL ||
         (task->battery != NULL && navigation->home_block == NULL)) {
         error_line("--memory %zu: this computer has not that much; give less", task->memory / 1024);
     } else {
@@ -585,7 +532,7 @@ static bool run(const struct navigation_task *task, const struct navigation_robo
     }
     if (navigation != NULL) {
         free(navigation->way);
-        free(navigation->known);
+        free(navigation->seen);
         free(navigation->home_block);
     }
     free(navigation);

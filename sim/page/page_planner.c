@@ -100,7 +100,7 @@ static struct {
     struct jp_planner planner;
     struct jp_navigator navigator;
     struct jp_course_leg legs[LEGS_MAX];
-    void *blocks[5]; /* map, solid, planner, way, world */
+    void *blocks[6]; /* map, solid, planner, way, world, seen */
     bool is_ready;
     uint64_t tick;
     double joules_before;
@@ -278,11 +278,13 @@ static enum jp_status prepare(const struct clearance_pose *start)
     const struct jp_place origin = navigation_place(start);
     const double radius = hypot(page.robot.body.length_m, page.robot.body.width_m) / 2;
     const size_t way_size = jp_navigator_way_size(&page.map.config);
+    const size_t seen_size = jp_navigator_seen_size(&page.map.config);
     const char *field;
 
     page.blocks[2] = aligned_alloc(ALIGNMENT, (page.task.memory + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT);
     page.blocks[3] = malloc(way_size);
-    if (page.blocks[2] == NULL || page.blocks[3] == NULL) {
+    page.blocks[5] = malloc(seen_size);
+    if (page.blocks[2] == NULL || page.blocks[3] == NULL || page.blocks[5] == NULL) {
         return JP_ERR_MEMORY;
     }
     const struct jp_navigator_config config = {.planner = &page.planner,
@@ -294,7 +296,9 @@ static enum jp_status prepare(const struct clearance_pose *start)
                                                .slice = SLICE,
                                                .patience = JP_NAVIGATION_PATIENCE,
                                                .way_block = page.blocks[3],
-                                               .way_size = way_size};
+                                               .way_size = way_size,
+                                               .seen = page.blocks[5],
+                                               .seen_size = seen_size};
     const enum jp_status status =
         jp_planner_init(&page.planner, &planner, &page.map, page.blocks[2], page.task.memory, &field);
 

@@ -151,23 +151,33 @@ static void limit_forces(struct jp_sensors *sensors, jp_q24 limit)
     sensors->accel_z = jp_clamp32(sensors->accel_z, -limit, limit);
 }
 
+/** Of what lasts: a frame that is held ends nothing that is suspected. */
+static bool confirm(struct jp_monitor *monitor, uint16_t limit, bool is_held)
+{
+    const bool is_suspected = monitor->suspected != 0U;
+
+    return (is_suspected || !is_held) && jp_count_in_a_row(&monitor->implausible_ticks, is_suspected, limit);
+}
+
 uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_config *config, enum jp_status read,
                             const struct jp_sensors *sensors)
 {
-    unsigned suspected = read == JP_OK ? ranges(config, sensors) : (unsigned)JP_FAULT_HARDWARE;
+    const bool is_held = read == JP_HELD;
+    const bool is_read = read == JP_OK || is_held;
+    unsigned suspected = is_read ? ranges(config, sensors) : (unsigned)JP_FAULT_HARDWARE;
     bool explained = false;
     bool frozen = false;
 
-    if (read == JP_OK && monitor->started) {
+    if (is_read && monitor->started) {
         suspected |= jumps(config, &monitor->good, sensors);
         explained = is_explained(monitor, config, sensors, suspected);
         suspected &= explained ? ~((unsigned)JP_FAULT_IMU_RANGE | (unsigned)JP_FAULT_IMU_JUMP) : ~0U;
-        frozen = config->freeze_ticks != 0U && watch_for_frozen_imu(monitor, config->freeze_ticks, sensors);
+        frozen = !is_held && config->freeze_ticks != 0U && watch_for_frozen_imu(monitor, config->freeze_ticks, sensors);
     }
 
     monitor->suspected = (uint16_t)suspected;
 
-    bool confirmed = jp_count_in_a_row(&monitor->implausible_ticks, suspected != 0U, config->confirm_ticks);
+    const bool confirmed = confirm(monitor, config->confirm_ticks, is_held);
 
     if (suspected == 0U) {
         monitor->good = *sensors;

@@ -8,6 +8,7 @@
 #include "src/map/capsule.h"
 #include "src/navigate/navigator_frame.h"
 #include "src/navigate/navigator_goal.h"
+#include "src/navigate/navigator_seen.h"
 #include "src/navigate/navigator_survey.h"
 
 /** Cells round the robot in which a place to plan from is looked for. */
@@ -62,6 +63,20 @@ static void plan_anew(struct jp_navigator *navigator, enum jp_navigator_reason r
 {
     navigator->replans = jp_one_more16(navigator->replans);
     enter(navigator, JP_NAVIGATOR_PLANNING, reason);
+}
+
+/** It cannot reach the goal by what it has seen; if that may mislead it, it forgets it, and looks again. */
+static void give_up(struct jp_navigator *navigator, enum jp_navigator_state state, enum jp_navigator_reason reason)
+{
+    if (!jp_seen_may_mislead(navigator)) {
+        enter(navigator, state, reason);
+        return;
+    }
+    jp_seen_forget(navigator);
+    enter(navigator, JP_NAVIGATOR_PLANNING, navigator->reason);
+    navigator->internal.was_told = true;
+    navigator->internal.spent = 0;
+    navigator->internal.search = JP_NAVIGATOR_LOOK_ROUND;
 }
 
 /* Planning. */
@@ -244,12 +259,25 @@ static void await_stand(struct jp_navigator *navigator, const struct jp_place *p
     }
 }
 
+/** Who sees for it has as long as it would wait for a route. */
+static void look_round(struct jp_navigator *navigator)
+{
+    navigator->internal.spent += navigator->config.slice;
+    if (is_late(navigator)) {
+        plan_anew(navigator, navigator->reason);
+    }
+}
+
 static void search(struct jp_navigator *navigator, const struct jp_place *place)
 {
     struct jp_navigator_internal *internal = &navigator->internal;
 
     if (!internal->was_told && !begin_search(navigator, place)) {
-        fail(navigator, JP_NAVIGATOR_HEMMED_IN);
+        give_up(navigator, JP_NAVIGATOR_FAILED, JP_NAVIGATOR_HEMMED_IN);
+        return;
+    }
+    if (internal->search == JP_NAVIGATOR_LOOK_ROUND) {
+        look_round(navigator);
         return;
     }
     if (has_field(navigator, place)) {
@@ -260,7 +288,7 @@ static void search(struct jp_navigator *navigator, const struct jp_place *place)
     const bool is_idle = jp_planner_is_idle(navigator->config.planner);
 
     if (answer == JP_ANSWER_UNREACHABLE) {
-        enter(navigator, JP_NAVIGATOR_UNREACHABLE, JP_NAVIGATOR_NO_REASON);
+        give_up(navigator, JP_NAVIGATOR_UNREACHABLE, JP_NAVIGATOR_NO_REASON);
     } else if (takes_route(navigator)) {
         enter(navigator, JP_NAVIGATOR_JOINING, navigator->reason);
     } else if (!internal->has_route && is_idle) {
@@ -322,7 +350,7 @@ static void look_for_proof(struct jp_navigator *navigator)
         resume_search(navigator, JP_NAVIGATOR_ROUTE_ONLY);
         break;
     case JP_REACH_NONE:
-        enter(navigator, JP_NAVIGATOR_UNREACHABLE, JP_NAVIGATOR_NO_REASON);
+        give_up(navigator, JP_NAVIGATOR_UNREACHABLE, JP_NAVIGATOR_NO_REASON);
         break;
     default:
         break;
@@ -501,6 +529,7 @@ static void face(struct jp_navigator *navigator, const struct jp_place *place, e
         enter(navigator, after_turn(navigator), JP_NAVIGATOR_NO_REASON);
     } else {
         internal->turns++;
+        internal->has_moved = true;
         (void)accepts(navigator,
                       vehicle->turn(vehicle->context, heading - internal->origin.heading, jp_frame_ground(navigator)));
     }
@@ -533,6 +562,7 @@ static void begin_drive(struct jp_navigator *navigator, const struct jp_place *p
     const uint16_t count = jp_survey_write_run(navigator, internal->leg);
 
     internal->was_told = true;
+    internal->has_moved = true;
     internal->run_end = (uint16_t)(internal->leg + count);
     const struct jp_vehicle_run run = {.targets = internal->targets,
                                        .count = count,
@@ -673,6 +703,13 @@ static const char *missing(const struct jp_navigator_config *config)
     return config->slice == 0U ? "slice" : NULL;
 }
 
+/** Of a map that the planner has taken. */
+static bool is_seen_too_small(const struct jp_navigator_config *config)
+{
+    return config->seen != NULL &&
+           config->seen_size < jp_navigator_seen_size(&jp_planner_terrain(config->planner)->config);
+}
+
 enum jp_status jp_navigator_init(struct jp_navigator *navigator, const struct jp_navigator_config *config,
                                  const struct jp_place *origin, const char **field)
 {
@@ -683,6 +720,10 @@ enum jp_status jp_navigator_init(struct jp_navigator *navigator, const struct jp
     if (*field != NULL) {
         return JP_ERR_CONFIG;
     }
+    if (is_seen_too_small(config)) {
+        *field = "seen_size";
+        return JP_ERR_CONFIG;
+    }
     const struct jp_course_config course = {.terrain = jp_planner_terrain(config->planner),
                                             .radius = config->radius,
                                             .margin = config->margin,
@@ -691,6 +732,7 @@ enum jp_status jp_navigator_init(struct jp_navigator *navigator, const struct jp
 
     *navigator = (struct jp_navigator){.config = *config, .internal = {.origin = *origin}};
     navigator->internal.ground = jp_frame_make_ground(navigator);
+    jp_seen_start(navigator);
     return jp_course_init(&navigator->internal.course, &course, field);
 }
 
@@ -720,6 +762,7 @@ enum jp_status jp_navigator_go(struct jp_navigator *navigator, const struct jp_g
         navigator->internal.asked = *goal;
         navigator->internal.goal = *goal;
         navigator->internal.field = NULL;
+        navigator->internal.forgets = 0;
         enter(navigator, phase == JP_VEHICLE_STANDING ? JP_NAVIGATOR_PLANNING : JP_NAVIGATOR_BRAKING,
               JP_NAVIGATOR_NO_REASON);
     }
@@ -734,7 +777,7 @@ void jp_navigator_stop(struct jp_navigator *navigator)
 
 enum jp_status jp_navigator_set_cell(struct jp_navigator *navigator, int32_t x, int32_t y, enum jp_cell cell)
 {
-    return jp_planner_set_cell(navigator->config.planner, x, y, cell);
+    return jp_seen_set_cell(navigator, x, y, cell);
 }
 
 /* What is known. */

@@ -83,7 +83,7 @@ static void put_progress(uint8_t course, uint8_t legs)
 {
     PUT(MAP_STATUS, map_status, .map_id = 3, .state = 2);
     PUT(NAVIGATION_STATUS, navigation_status, .goal_id = 200, .state = 5, .reason = 2, .answer = 6,
-        .has_course = legs > 0, .vehicle_status = -7, .replans = 4, .course = course, .legs_left = legs);
+        .has_course = legs > 0, .forgets = 13, .vehicle_status = -7, .replans = 4, .course = course, .legs_left = legs);
     PUT(HOME_STATUS, home_status, .home_state = 6, .probability = 49152, .way = 404, .way_deviation = 20);
     PUT(HOME_BATTERY, home_battery, .left = 3200000, .left_deviation = 8);
     PUT(NAVIGATION_PROGRESS, navigation_progress, .distance = 160, .duration = 24, .energy = 324, .deviation = 12);
@@ -104,6 +104,7 @@ static void test_what_the_navigator_does(void)
     TEST_ASSERT_EQUAL_INT(-7, navigation.vehicle_status);
     TEST_ASSERT_EQUAL_INT(4, navigation.replans);
     TEST_ASSERT_EQUAL_INT(7, navigation.course);
+    TEST_ASSERT_EQUAL_INT(13, navigation.forgets);
     TEST_ASSERT_EQUAL_DOUBLE(2.5, navigation.distance);
     TEST_ASSERT_EQUAL_DOUBLE(1.5, navigation.duration);
     TEST_ASSERT_EQUAL_DOUBLE(40.5, navigation.energy);

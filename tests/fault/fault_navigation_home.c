@@ -15,6 +15,7 @@ enum { SIDE = 10, BLOCK_BYTES = 2400, LEGS_MAX = 4, STREAM_MAX = 48 };
 
 static uint64_t map_memory[SIDE];
 static uint64_t way_memory[(3 * SIDE + 1) / 2];
+static uint8_t seen_memory[(SIDE + 3) / 4 * SIDE];
 static uint64_t block[BLOCK_BYTES / 8];
 static uint64_t field_memory[FIELD_BYTES / 8];
 static struct jp_course_leg legs[LEGS_MAX];
@@ -54,6 +55,8 @@ static void make_with(const struct jp_navigation_home *kept)
                                                 .planner_size = sizeof block,
                                                 .way = way_memory,
                                                 .way_size = sizeof way_memory,
+                                                .seen = seen_memory,
+                                                .seen_size = sizeof seen_memory,
                                                 .legs = legs,
                                                 .legs_max = LEGS_MAX,
                                                 .home = kept};

@@ -22,6 +22,7 @@ static inline void fuzz_sensors_begin(struct fuzz_sensors *sensors)
 /** Something else from now on. */
 static inline void fuzz_sensors_change(struct fuzz_sensors *sensors, struct fuzz_input *input)
 {
+    static const enum jp_status readings[] = {JP_OK, JP_ERR_HARDWARE, JP_HELD};
     const struct jp_sensors *frame = &sensors->frame;
 
     switch (fuzz_below(input, 8)) {
@@ -32,7 +33,7 @@ static inline void fuzz_sensors_change(struct fuzz_sensors *sensors, struct fuzz
         fuzz_fill(input, &sensors->frame, sizeof *frame);
         break;
     case 2:
-        sensors->read = fuzz_bool(input) ? JP_ERR_HARDWARE : JP_OK;
+        sensors->read = readings[fuzz_below(input, sizeof readings / sizeof readings[0])];
         break;
     case 3:
         sensors->frame.pitch_rate = fuzz_range(input, -JP_Q24(2), JP_Q24(2));

@@ -13,7 +13,7 @@
 
 static enum jp_status any_reading(void)
 {
-    return any_bool() ? JP_OK : JP_ERR_HARDWARE;
+    return any_bool() ? JP_OK : any_bool() ? JP_HELD : JP_ERR_HARDWARE;
 }
 
 /** On, off, or driven by anything. */

@@ -35,6 +35,22 @@ static void test_samples_that_stay_away_longer_are_a_fault(void)
     expect_state(JP_ROBOT_BALANCING);
 }
 
+/* Of samples that are all the same. */
+static void test_only_samples_that_came_can_be_those_of_a_frozen_imu(void)
+{
+    make_balancing();
+    config.monitor.freeze_ticks = 50;
+    for (int i = 0; i < 7; i++) {
+        run_without_samples(HOLD_TICKS);
+        run(7);
+        expect_state(JP_ROBOT_BALANCING);
+    }
+    run_without_samples(HOLD_TICKS);
+    run(1);
+    expect_state(JP_ROBOT_FAULT);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_IMU_FROZEN, jp_robot_last_tick(&balancer.robot)->faults);
+}
+
 /* Nothing is held over a fault that was cleared: the robot may have been carried elsewhere. */
 static void test_samples_that_come_back_after_off_are_taken_as_they_are(void)
 {

@@ -314,6 +314,7 @@ static void test_in_real_time_the_simulators_time_changes_nothing(void)
 
 static struct jp_navigation navigation;
 static uint64_t memory[3][8];
+static uint8_t seen[64];
 static struct jp_course_leg legs[2];
 static const struct jp_navigation_config sound_navigator = {.lattice = &jp_lattice_courier24,
                                                             .body = &jp_navigation_courier24,
@@ -323,6 +324,8 @@ static const struct jp_navigation_config sound_navigator = {.lattice = &jp_latti
                                                             .planner_size = sizeof memory[1],
                                                             .way = memory[2],
                                                             .way_size = sizeof memory[2],
+                                                            .seen = seen,
+                                                            .seen_size = sizeof seen,
                                                             .legs = legs,
                                                             .legs_max = 2};
 

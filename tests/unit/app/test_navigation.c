@@ -7,10 +7,11 @@
 #include "tests/support/ecu_rig.h"
 #include "tests/support/map_frames.h"
 
-enum { SIDE = 20, BLOCK_BYTES = 2400, LEGS_MAX = 4, STREAM_MAX = 60 };
+enum { SIDE = 20, BLOCK_BYTES = 2304, LEGS_MAX = 4, STREAM_MAX = 60 };
 
 static uint64_t map_memory[SIDE];
 static uint64_t way_memory[(3 * ((SIDE * SIDE + 31) / 32) + 1) / 2];
+static uint8_t seen_memory[SIDE * SIDE / 4];
 static uint64_t block[BLOCK_BYTES / 8];
 static struct jp_course_leg legs[LEGS_MAX];
 static struct jp_navigation navigation;
@@ -51,6 +52,8 @@ static void make(void)
                                                      .planner_size = sizeof block,
                                                      .way = way_memory,
                                                      .way_size = sizeof way_memory,
+                                                     .seen = seen_memory,
+                                                     .seen_size = sizeof seen_memory,
                                                      .legs = legs,
                                                      .legs_max = LEGS_MAX};
     goal_counter = 0;
@@ -191,6 +194,8 @@ static void test_what_it_cannot_do_without(void)
     expect_refused_config("planner");
     navigator_config.way = NULL;
     expect_refused_config("way");
+    navigator_config.seen = NULL;
+    expect_refused_config("seen");
     navigator_config.legs = NULL;
     expect_refused_config("legs");
     navigator_config.legs_max = 0;
@@ -247,6 +252,19 @@ static void test_a_map_for_which_the_flood_has_no_room(void)
     make_balancing();
     send_map();
     expect_map(JP_MAP_LINK_REJECTED, JP_MAP_REASON_TOO_LARGE);
+}
+
+static void test_a_map_for_which_what_is_seen_has_no_room(void)
+{
+    make();
+    navigation.config.seen_size = sizeof seen_memory - 1;
+    make_balancing();
+    send_map();
+    expect_map(JP_MAP_LINK_REJECTED, JP_MAP_REASON_TOO_LARGE);
+    navigation.config.seen_size = sizeof seen_memory;
+    sent.id = 4;
+    send_map();
+    expect_map(JP_MAP_LINK_READY, JP_MAP_REASON_NONE);
 }
 
 static void test_a_corrupt_map_leaves_none(void)
@@ -400,6 +418,30 @@ static void test_cells_change(void)
     TEST_ASSERT_EQUAL_INT(JP_CELL_FREE, cell(SIDE - 4, 9));
     change(2, 4095, 4095, 0x555555);
     TEST_ASSERT_EQUAL_UINT8(3, map_status().cell_counter);
+}
+
+/* A wall, on its way: what it saw may be elsewhere than where its odometry has put it. */
+static void test_it_says_when_it_has_forgotten_what_was_seen(void)
+{
+    make_under_way();
+    for (unsigned i = 0; i < 3000 && navigation.navigator.state != JP_NAVIGATOR_DRIVING; i += 100) {
+        hold(JP_MODE_NAVIGATE, 7, 1);
+    }
+    hold(JP_MODE_NAVIGATE, 7, 1);
+    for (uint16_t y = 0; y < SIDE; y++) {
+        change(2, 11, y, 0xFFFFFD);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_CELL_OCCUPIED, cell(11, 9));
+    TEST_ASSERT_EQUAL_UINT8(0, navigation_status().forgets);
+    for (unsigned i = 0; i < 30000 && navigation.navigator.forgets == 0; i += 100) {
+        hold(JP_MODE_NAVIGATE, 7, 1);
+    }
+    hold(JP_MODE_NAVIGATE, 7, 2);
+    TEST_ASSERT_EQUAL_UINT8(1, navigation_status().forgets);
+    TEST_ASSERT_EQUAL_INT(JP_CELL_FREE, cell(11, 9));
+    navigation.navigator.forgets = 17;
+    hold(JP_MODE_NAVIGATE, 7, 2);
+    TEST_ASSERT_EQUAL_UINT8(1, navigation_status().forgets);
 }
 
 static void test_changes_of_another_map_change_nothing(void)

@@ -400,6 +400,67 @@ static void test_each_channel_of_the_imu_can_freeze(void)
     FREEZE(accel_z);
 }
 
+/** On a bus that fails now and then; what is held is what the monitor took last. */
+static void hold(unsigned ticks)
+{
+    sensors = monitor.good;
+    for (unsigned tick = 0; tick < ticks; tick++) {
+        sensors.encoder_left += 3U;
+        TEST_ASSERT_EQUAL_HEX16(0, check(JP_HELD));
+        TEST_ASSERT_EQUAL_MEMORY(&sensors, &monitor.good, sizeof sensors); /* its counts go on */
+    }
+    good.encoder_left = sensors.encoder_left;
+}
+
+static void test_what_is_held_does_not_freeze(void)
+{
+    config.freeze_ticks = 3;
+    see_good();
+    hold(1000);
+    for (int tick = 1; tick < 3; tick++) {
+        TEST_ASSERT_EQUAL_HEX16(0, check(JP_OK));
+        hold(10);
+    }
+    see_good();
+}
+
+static void test_an_imu_freezes_in_as_many_readings_whatever_is_held_between_them(void)
+{
+    config.freeze_ticks = 3;
+    see_good();
+    for (int tick = 1; tick <= 5; tick++) {
+        hold(7);
+        TEST_ASSERT_EQUAL_HEX16(tick < 3 ? 0 : JP_FAULT_IMU_FROZEN, check(JP_OK));
+    }
+}
+
+/** Nothing that was measured says that the sensor is well again. */
+static void test_what_is_held_acquits_no_sensor(void)
+{
+    see_good();
+    for (int tick = 1; tick <= 5; tick++) {
+        sensors = good;
+        sensors.pitch_rate = config.gyro_limit + 1;
+        TEST_ASSERT_EQUAL_HEX16(tick < config.confirm_ticks ? 0 : JP_FAULT_IMU_RANGE | JP_FAULT_IMU_JUMP, check(JP_OK));
+        sensors = good;
+        TEST_ASSERT_EQUAL_HEX16(0, check(JP_HELD));
+    }
+    see_good();
+    sensors.pitch_rate = config.gyro_limit + 1;
+    TEST_ASSERT_EQUAL_HEX16(0, check(JP_OK)); /* a good reading did */
+}
+
+/** As from a pace of the wheels that was wrong already. */
+static void test_what_is_held_must_be_plausible_too(void)
+{
+    see_good();
+    sensors.encoder_left = good.encoder_left + config.encoder_jump + 1U;
+    for (int tick = 1; tick <= 5; tick++) {
+        TEST_ASSERT_EQUAL_HEX16(tick < config.confirm_ticks ? 0 : JP_FAULT_ENCODER_JUMP, check(JP_HELD));
+        TEST_ASSERT_EQUAL_MEMORY(&good, &monitor.good, sizeof good);
+    }
+}
+
 static void test_freezing_can_be_off(void)
 {
     see_good();

@@ -21,7 +21,11 @@ int main(void)
         ANY(sensors);
         ANY(voltages);
         voltages.saturated = any_bool();
-        (void)jp_monitor_sensors(&monitor, &config, any_bool() ? JP_OK : JP_ERR_HARDWARE, &sensors);
+        (void)jp_monitor_sensors(&monitor, &config,
+                                 any_bool()   ? JP_OK
+                                 : any_bool() ? JP_HELD
+                                              : JP_ERR_HARDWARE,
+                                 &sensors);
         if (monitor.started) {
             (void)jp_monitor_motors(&monitor, &config, &voltages, any_int(), any_int());
         }
