@@ -134,7 +134,7 @@ def compare(joulepath, name, path, robot, folder):
         seconds, found = python_plans(joulepath, joulepath.Terrain.load(path), known, summary["start"],
                                       summary["goal_m"])
         in_python.append(seconds)
-        if abs(found.joules - route["energy_j"]) > 1e-9 * route["energy_j"]:
+        if found.joules != route["energy_j"]:
             raise ToolError(f"{name}, {robot}: {found.joules} J in Python, {route['energy_j']} J of jp-plan")
     return f"{name}, {robot}", min(in_c), min(in_python)
 
