@@ -63,8 +63,10 @@ def measure(text):
 
 def main():
     ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0]).parse_args()
-    rows = [(title, f"`{command}`", f"{clock:.0f}", f"{processors:.0f}")
-            for title, command, clock, processors in measure(read_text(TUTORIAL))]
+    rows = []
+    for title, command, clock, processors in measure(read_text(TUTORIAL)):
+        rows.append((title, f"`{command}`", f"{clock:.0f}", f"{processors:.0f}"))
+        print(f"{title}: {clock:.0f} s", flush=True)
     print_aligned([HEADINGS, *rows])
     folder = build_directory() / "tutorial"
     write_tables(folder / "tutorial.tables.json", {"tutorial": (HEADINGS, rows)})
