@@ -57,7 +57,13 @@ class Program:
     def running(self):
         return self.process.poll() is None
 
+    def opens(self, *lines):
+        """Pseudo-terminals, which it offers when it has read its files."""
+        wait_until(lambda: all(line.exists() for line in lines) or not self.running, f"{self.out.name}: {lines}")
+        assert self.running, self.err.read_text()
+
     def says(self, text):
+        """To whoever looks at its terminal."""
         wait_until(lambda: text in self.out.read_text() or not self.running, f"{self.out.name} says {text}")
         assert text in self.out.read_text(), self.err.read_text()
 

@@ -194,7 +194,7 @@ class Host:
         self._programs = programs
         self.plant = programs.plant(scenario, "--bus", f"pty:{lines[0]}", "--bus", bus or f"pty:{lines[1]}", "--host",
                                      patience=LIMIT)
-        self.plant.says("jp-plant")
+        self.plant.opens(*lines[:1 if bus else 2])
         self.time = SimulatedTime(lines[0])
         self.ecu_line = self.time.new_line()
         self.bus = TimedBus(open_bus(bus or f"slcan:{lines[1]}"), self.time)

@@ -27,7 +27,7 @@ python_packages=(cmake)
 page_packages=(clang lld wasi-libc)
 firmware_packages=(gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm)
 mujoco_packages=(libegl1 libgl1-mesa-dri)
-test_packages=(gcc-multilib clang cmake cppcheck musl-dev gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc)
+test_packages=(gcc-multilib clang cmake cppcheck gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc)
 bench_packages=(libigraph-dev libompl-dev)
 mcdc_packages=(clang-19 libclang-rt-19-dev llvm-19)
 prove_packages=(frama-c-base)
@@ -227,7 +227,6 @@ missing_libraries() {
         echo "picolibc for RISC-V"
     ! wants page || clang --target=wasm32-wasi -E -include stdio.h -x c /dev/null >/dev/null 2>&1 || echo wasi-libc
     ! wants page || has_wasm_runtime || echo "clang's run-time library for wasm32"
-    ! wants test || [ -e "/usr/lib/$(uname -m)-linux-musl/libc.a" ] || echo musl
 }
 
 # For people who manage their own packages.

@@ -135,7 +135,9 @@ static void measure(struct rig *rig, struct balance_stand *stand)
     for (uint64_t i = 0; i < ticks; i++) {
         rig_tick(rig);
         leans += plant->state.pitch * plant->state.pitch;
-        squares += (pow(volts(telemetry->voltages.left), 2) + pow(volts(telemetry->voltages.right), 2)) / 2;
+        const double left = volts(telemetry->voltages.left);
+        const double right = volts(telemetry->voltages.right);
+        squares += (left * left + right * right) / 2;
         back = fmax(back, place - plant->x);
         forward = fmax(forward, plant->x - place);
     }

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "sim/base/digital.h"
+#include "sim/base/strict_math.h"
 
 static void read_encoders(const struct instruments *instruments, const struct plant *plant, struct jp_sensors *sensors)
 {
@@ -34,8 +35,8 @@ static void read_inertial(const struct robot_file *robot, const struct plant *pl
     const struct plant_state *s = &plant->state;
     const struct plant_acceleration acceleration = plant_acceleration(plant, input);
     const double height = robot->accelerometer.height_m;
-    const double sine = sin(s->pitch);
-    const double cosine = cos(s->pitch);
+    const double sine = strict_sin(s->pitch);
+    const double cosine = strict_cos(s->pitch);
     const double forward = plant->constants.wheel_radius * acceleration.wheel;
     const double yaw_square = s->yaw_rate * s->yaw_rate;
     const double tangential = height * (acceleration.pitch - yaw_square * sine * cosine);

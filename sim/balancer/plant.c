@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sim/base/strict_math.h"
+
 /* Powers that the ledger integrates, W. */
 struct powers {
     double electrical;
@@ -74,8 +76,8 @@ static double current(const struct plant_constants *c, const struct plant_input 
 static inline struct derivative derivative(const struct plant_constants *c, const struct plant_state *s,
                                            const struct plant_input *input)
 {
-    const double sine = sin(s->pitch);
-    const double cosine = cos(s->pitch);
+    const double sine = strict_sin(s->pitch);
+    const double cosine = strict_cos(s->pitch);
 
     const double wheel_left = s->wheel_rate - c->half_track * s->yaw_rate;
     const double wheel_right = s->wheel_rate + c->half_track * s->yaw_rate;
@@ -142,8 +144,8 @@ static void move(struct plant *plant, const struct plant_state *before)
     const double turn = plant->state.yaw - before->yaw;
     const double chord = distance * (1.0 - square(turn) / 24.0);
     const double heading = before->yaw + turn / 2.0;
-    plant->x += chord * cos(heading);
-    plant->y += chord * sin(heading);
+    plant->x += chord * strict_cos(heading);
+    plant->y += chord * strict_sin(heading);
 }
 
 /* Stops the robot at a pitch; the energy that this takes is the impact. */
@@ -251,8 +253,8 @@ double plant_mechanical_energy(const struct plant *plant)
 {
     const struct plant_constants *c = &plant->constants;
     const struct plant_state *s = &plant->state;
-    const double cosine = cos(s->pitch);
-    const double yaw_inertia = c->yaw_inertia + c->swing_inertia * square(sin(s->pitch));
+    const double cosine = strict_cos(s->pitch);
+    const double yaw_inertia = c->yaw_inertia + c->swing_inertia * square(strict_sin(s->pitch));
     const double kinetic = (c->wheel_inertia * square(s->wheel_rate) + c->pitch_inertia * square(s->pitch_rate) +
                             yaw_inertia * square(s->yaw_rate)) /
                                2.0 +

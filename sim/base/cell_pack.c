@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sim/base/strict_math.h"
+
 #define KELVIN  273.15
 #define SECONDS 3600.0
 
@@ -47,7 +49,7 @@ static double growth(const struct cell_pack *pack, double activation)
 {
     const double colder = 1 / (pack->temperature_c + KELVIN) - 1 / (pack->cell.resistance.reference_c + KELVIN);
 
-    return exp(activation * colder) * (1 + pack->cycles * pack->cell.ageing.resistance_per_cycle);
+    return strict_exp(activation * colder) * (1 + pack->cycles * pack->cell.ageing.resistance_per_cycle);
 }
 
 static double ohmic(const struct cell_pack *pack)
@@ -82,7 +84,7 @@ static double polarise(struct cell_pack *pack, double current, double seconds)
                            growth(pack, pack->cell.resistance.polarisation_activation_k);
     const double time = pack->cell.resistance.polarisation_s;
     const double before = pack->polarisation_v - settled;
-    const double after = before * exp(-seconds / time);
+    const double after = before * strict_exp(-seconds / time);
 
     pack->polarisation_v = settled + after;
     return current * (settled * seconds + time * (before - after));

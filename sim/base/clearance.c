@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sim/base/strict_math.h"
+
 /** Poses along an arc are so near each other that no point of the footprint moves farther between two of them, cells.
  */
 #define STEP_CELLS 0.1
@@ -25,8 +27,8 @@ static struct box box_at(const struct jp_terrain *terrain, const struct clearanc
 
     return (struct box){pose->x / cell,
                         pose->y / cell,
-                        cos(pose->heading),
-                        sin(pose->heading),
+                        strict_cos(pose->heading),
+                        strict_sin(pose->heading),
                         (robot->length_m / 2 + robot->margin_m) / cell,
                         (robot->width_m / 2 + robot->margin_m) / cell};
 }
@@ -67,7 +69,7 @@ bool clearance_at(const struct jp_terrain *terrain, const struct clearance_robot
                   const struct clearance_pose *pose)
 {
     const struct box box = box_at(terrain, robot, pose);
-    const double radius = hypot(box.half_length, box.half_width);
+    const double radius = strict_hypot(box.half_length, box.half_width);
     const int left = (int)floor(box.x - radius);
     const int right = (int)floor(box.x + radius);
 
@@ -83,17 +85,17 @@ struct clearance_pose clearance_arc_pose(const struct clearance_arc *arc, double
 {
     const double angle = arc->angle * share;
     const double half = angle / 2;
-    const double chord = arc->length_m * share * (half == 0 ? 1 : sin(half) / half);
+    const double chord = arc->length_m * share * (half == 0 ? 1 : strict_sin(half) / half);
     const double bearing = arc->start.heading + half;
 
-    return (struct clearance_pose){arc->start.x + chord * cos(bearing), arc->start.y + chord * sin(bearing),
-                                   arc->start.heading + angle};
+    return (struct clearance_pose){arc->start.x + chord * strict_cos(bearing),
+                                   arc->start.y + chord * strict_sin(bearing), arc->start.heading + angle};
 }
 
 unsigned clearance_steps(const struct jp_terrain *terrain, const struct clearance_robot *robot,
                          const struct clearance_arc *arc)
 {
-    const double radius = hypot(robot->length_m, robot->width_m) / 2 + robot->margin_m;
+    const double radius = strict_hypot(robot->length_m, robot->width_m) / 2 + robot->margin_m;
     const double way = fabs(arc->length_m) + radius * fabs(arc->angle);
 
     return (unsigned)ceil(way / (STEP_CELLS * resolution_of(terrain)));

@@ -15,6 +15,9 @@
 /* Beside the place of a file, until it is complete. */
 #define PART_SUFFIX ".part-XXXXXX"
 
+/* Digits of a number that is read back bit by bit. */
+#define EXACT 17
+
 /* A chain of symbolic links is at most so long. */
 #define LINKS_MAX 40
 
@@ -291,7 +294,7 @@ bool output_json(const char *directory, const char *name, json_t *value)
     if (value == NULL) {
         error_line("%s: cannot write the result: no memory, or a number that is not finite", name);
     } else if (stream != NULL) {
-        (void)json_dumpf(value, stream, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
+        (void)json_dumpf(value, stream, JSON_INDENT(2) | JSON_REAL_PRECISION(EXACT));
         (void)fputc('\n', stream);
     }
     json_decref(value);

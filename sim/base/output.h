@@ -33,7 +33,7 @@ bool output_directory(const char *path);
  * output, which is in no set. NULL: not. */
 FILE *output_open(const char *directory, const char *name);
 
-/** The same, writes `value` and takes the reference to it. */
+/** The same, writes `value` with all bits of its numbers and takes the reference to it. */
 bool output_json(const char *directory, const char *name, json_t *value);
 
 /** Puts the files into their places once all of them, and standard output, are complete; otherwise drops them. */

@@ -5,6 +5,8 @@
 
 #include <math.h>
 
+#include "sim/base/strict_math.h"
+
 struct planar_point {
     double x;
     double y;
@@ -35,8 +37,8 @@ static inline double planar_wrap(double angle)
 /** From the frame of `pose` to the one that `pose` is in. */
 static inline struct planar_point planar_place(const struct planar_pose *pose, struct planar_point point)
 {
-    const double cosine = cos(pose->heading);
-    const double sine = sin(pose->heading);
+    const double cosine = strict_cos(pose->heading);
+    const double sine = strict_sin(pose->heading);
 
     return (struct planar_point){pose->x + cosine * point.x - sine * point.y,
                                  pose->y + sine * point.x + cosine * point.y};
@@ -63,8 +65,8 @@ static inline struct planar_pose planar_bend(const struct planar_pose *pose, con
 /** The motion from `start` to `end`, in the frame of `start`. */
 static inline struct planar_pose planar_between(const struct planar_pose *start, const struct planar_pose *end)
 {
-    const double cosine = cos(start->heading);
-    const double sine = sin(start->heading);
+    const double cosine = strict_cos(start->heading);
+    const double sine = strict_sin(start->heading);
     const double dx = end->x - start->x;
     const double dy = end->y - start->y;
 
@@ -75,7 +77,7 @@ static inline struct planar_pose planar_between(const struct planar_pose *start,
 /** Radius of the circle about the shape's centre that encloses it, m. */
 static inline double planar_reach(const struct planar_shape *shape)
 {
-    return shape->kind == PLANAR_DISC ? shape->radius : hypot(shape->half_length, shape->half_width);
+    return shape->kind == PLANAR_DISC ? shape->radius : strict_hypot(shape->half_length, shape->half_width);
 }
 
 #endif

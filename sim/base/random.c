@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sim/base/strict_math.h"
+
 /* The generator of POSIX' drand48: 48 bits. Here it is inlined, since every sample of a sensor draws from it. */
 #define FACTOR    UINT64_C(0x5DEECE66D)
 #define INCREMENT 0xBU
@@ -43,7 +45,7 @@ double random_gaussian(struct random *random, double deviation)
         b = random_uniform(random, -1.0, 1.0);
         square = a * a + b * b;
     } while (square >= 1.0 || square == 0.0);
-    const double scale = sqrt(-2.0 * log(square) / square);
+    const double scale = sqrt(-2.0 * strict_log(square) / square);
     random->spare = b * scale;
     random->has_spare = true;
     return deviation * a * scale;

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "sim/base/strict_math.h"
 #include "sim/four_wheel/four_wheel_file.h"
 
 void four_wheel_drive_start(struct four_wheel_drive *drive, const struct four_wheel_file *robot, double rise_x,
@@ -29,8 +30,8 @@ bool four_wheel_drive_tick(struct four_wheel_drive *drive, const struct four_whe
 {
     const struct jp_twist goal = {to_q24(twist->forward), to_q24(twist->left), to_q24(twist->turn_rate)};
     const double heading = drive->plant.state.pose.heading;
-    const double grade = drive->rise_x * cos(heading) + drive->rise_y * sin(heading);
-    const double bank = drive->rise_y * cos(heading) - drive->rise_x * sin(heading);
+    const double grade = drive->rise_x * strict_cos(heading) + drive->rise_y * strict_sin(heading);
+    const double bank = drive->rise_y * strict_cos(heading) - drive->rise_x * strict_sin(heading);
     enum jp_steering steering;
 
     (void)jp_four_wheel_tick(&drive->config, &goal, &drive->wheels, &steering);
@@ -76,7 +77,7 @@ struct four_wheel_twist four_wheel_random_twist(const struct four_wheel_file *ro
         return (struct four_wheel_twist){-speed / 2, 0, 0};
     }
     if (kind < 3) {
-        return (struct four_wheel_twist){speed * cos(course), speed * sin(course), 0};
+        return (struct four_wheel_twist){speed * strict_cos(course), speed * strict_sin(course), 0};
     }
     if (kind < 4) {
         return (struct four_wheel_twist){
@@ -85,5 +86,5 @@ struct four_wheel_twist four_wheel_random_twist(const struct four_wheel_file *ro
     if (kind < 5) {
         return (struct four_wheel_twist){0, 0, rate};
     }
-    return (struct four_wheel_twist){speed * cos(course), speed * sin(course), rate / 2};
+    return (struct four_wheel_twist){speed * strict_cos(course), speed * strict_sin(course), rate / 2};
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 #include "sim/four_wheel/four_wheel_plant.h"
 #include "sim/four_wheel/laser.h"
 
@@ -215,7 +216,7 @@ static bool check_radius(const char *path, const struct four_wheel_file *robot)
 
 static bool check_steering(const char *path, const struct four_wheel_file *robot)
 {
-    const double in_place = atan(robot->body.wheelbase_m / robot->body.track_m) * DEGREES_PER_RADIAN;
+    const double in_place = strict_atan(robot->body.wheelbase_m / robot->body.track_m) * DEGREES_PER_RADIAN;
 
     if (robot->steering.limit_deg < in_place) {
         error_line("%s: steering.limit_deg = %.4g: turning in place takes %.4g°, by body.wheelbase_m and body.track_m; "

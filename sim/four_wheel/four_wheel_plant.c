@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "sim/base/strict_math.h"
+
 /* Below this speed of a tread the rolling resistance fades, m/s. */
 #define ROLLING_FADE 0.01
 
@@ -86,7 +88,7 @@ static double scrub_torque(const struct four_wheel_file *robot, double turning, 
 {
     const double scrubbing = robot->steering.contact_m * fabs(turning);
 
-    return scrubbing > 0 ? robot->steering.friction_nm * scrubbing / hypot(scrubbing, rolling) : 0;
+    return scrubbing > 0 ? robot->steering.friction_nm * scrubbing / strict_hypot(scrubbing, rolling) : 0;
 }
 
 /* What a motor whose gear gives `torque` at `speed` takes, by parts; what braking leaves comes back. */
@@ -112,8 +114,8 @@ static struct contact wheel_derivative(const struct four_wheel_file *robot, cons
     struct four_wheel_contact *change = &rate->state.wheels[index];
     const struct planar_point place = place_of(robot, index);
     const double radius = robot->wheel.radius_m;
-    const double cosine = cos(wheel->angle);
-    const double sine = sin(wheel->angle);
+    const double cosine = strict_cos(wheel->angle);
+    const double sine = strict_sin(wheel->angle);
 
     const double x_rate = state->forward - state->turn_rate * place.y;
     const double y_rate = state->left + state->turn_rate * place.x;
@@ -125,7 +127,8 @@ static struct contact wheel_derivative(const struct four_wheel_file *robot, cons
     const double across = -stiffness * slip_across;
 
     const double torque = drive_torque(robot, wheel, input->speed, &change->integral);
-    const double rolling = robot->tyre.rolling * load(robot) * radius * tanh(radius * wheel->rate / ROLLING_FADE);
+    const double rolling =
+        robot->tyre.rolling * load(robot) * radius * strict_tanh(radius * wheel->rate / ROLLING_FADE);
     const double friction = robot->drive.friction_nm_s_per_rad * wheel->rate;
     change->angle = clamp((input->angle - wheel->angle) / robot->steering.time_constant_s, robot->steering.rate_rad_s);
     change->roll = wheel->rate;
@@ -153,7 +156,7 @@ static struct contact wheel_derivative(const struct four_wheel_file *robot, cons
 static struct motion derivative(const struct four_wheel_file *robot, const struct four_wheel_state *state,
                                 const struct wheel_input inputs[JP_WHEELS])
 {
-    const struct planar_point ahead = {cos(state->pose.heading), sin(state->pose.heading)};
+    const struct planar_point ahead = {strict_cos(state->pose.heading), strict_sin(state->pose.heading)};
     struct motion rate = {0};
     struct planar_point force = {0, 0};
     double moment = 0;
@@ -247,8 +250,8 @@ static double slip_of(const struct four_wheel_plant *plant, int wheel)
     const struct planar_point place = place_of(plant->robot, wheel);
     const double tread = plant->robot->wheel.radius_m * contact->rate;
 
-    return hypot(state->forward - state->turn_rate * place.y - tread * cos(contact->angle),
-                 state->left + state->turn_rate * place.x - tread * sin(contact->angle));
+    return strict_hypot(state->forward - state->turn_rate * place.y - tread * strict_cos(contact->angle),
+                        state->left + state->turn_rate * place.x - tread * strict_sin(contact->angle));
 }
 
 static double counts_of(double turns, int counts_per_turn)

@@ -2,6 +2,8 @@
 
 #include <stdbool.h>
 
+#include "sim/base/strict_math.h"
+
 /* A beam's origin and unit direction. */
 struct ray {
     struct planar_point from;
@@ -20,7 +22,7 @@ struct laser_config laser_config_of(int beams, double field, double range_max, d
 
 static struct ray ray_of(struct planar_point from, double bearing)
 {
-    const struct planar_point along = {cos(bearing), sin(bearing)};
+    const struct planar_point along = {strict_cos(bearing), strict_sin(bearing)};
 
     return (struct ray){from, along, {1 / along.x, 1 / along.y}};
 }
@@ -98,8 +100,8 @@ static void cut(double place, double along, double half, double *enters, double 
 
 static double box_distance(const struct planar_shape *box, const struct ray *ray)
 {
-    const double cosine = cos(box->pose.heading);
-    const double sine = sin(box->pose.heading);
+    const double cosine = strict_cos(box->pose.heading);
+    const double sine = strict_sin(box->pose.heading);
     const double dx = ray->from.x - box->pose.x;
     const double dy = ray->from.y - box->pose.y;
     double enters = -INFINITY;
@@ -145,12 +147,12 @@ static bool sector_of(const struct planar_shape *shape, const struct planar_pose
 {
     const double dx = shape->pose.x - scanner->x;
     const double dy = shape->pose.y - scanner->y;
-    const double distance = hypot(dx, dy);
+    const double distance = strict_hypot(dx, dy);
     const double reach = planar_reach(shape);
 
     sector->shape = shape;
-    sector->bearing = atan2(dy, dx);
-    sector->half_width = distance > reach ? asin(reach / distance) : M_PI;
+    sector->bearing = strict_atan2(dy, dx);
+    sector->half_width = distance > reach ? strict_asin(reach / distance) : M_PI;
     return distance - reach <= range_max;
 }
 

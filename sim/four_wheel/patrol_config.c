@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "sim/base/strict_math.h"
 #include "sim/four_wheel/four_wheel_drive.h"
 #include "sim/four_wheel/four_wheel_plant.h"
 #include "sim/four_wheel/laser.h"
@@ -138,7 +139,7 @@ static struct jp_patrol_people people(const struct four_wheel_file *robot)
 
 static struct jp_patrol_price price(const struct four_wheel_file *robot)
 {
-    const double arm = hypot(robot->body.wheelbase_m, robot->body.track_m) / 2;
+    const double arm = strict_hypot(robot->body.wheelbase_m, robot->body.track_m) / 2;
     const double scrub = robot->steering.friction_nm / robot->steering.torque_constant_nm_a;
 
     const double wheel = robot->steering.friction_nm / robot->steering.efficiency +

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 #include "sim/lattice/lattice_moves.h"
 
 #define UNITS_PER_METRE 1000.0 /* of JP_COST_DISTANCE */
@@ -17,9 +18,9 @@
 static double signed_step(const struct lattice_pose *from, const struct lattice_pose *to)
 {
     const double middle = (from->heading + to->heading) / 2;
-    const double step = hypot(to->x - from->x, to->y - from->y);
+    const double step = strict_hypot(to->x - from->x, to->y - from->y);
 
-    return (to->x - from->x) * cos(middle) + (to->y - from->y) * sin(middle) < 0 ? -step : step;
+    return (to->x - from->x) * strict_cos(middle) + (to->y - from->y) * strict_sin(middle) < 0 ? -step : step;
 }
 
 static void add(const struct lattice *lattice, struct lattice_primitive *primitive, const struct lattice_motion *motion)

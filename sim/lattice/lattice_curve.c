@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sim/base/strict_math.h"
+
 #define NEWTON_STEPS   50
 #define END_TOLERANCE  1e-11 /* cells and rad */
 #define DIFFERENCE     1e-6  /* of each unknown, for the derivatives */
@@ -22,8 +24,8 @@ static void advance(const struct lattice_curve *curve, double s, double step, st
 
     for (int i = 0; i < 3; i++) {
         const double heading = heading_at(curve, s + step * (1 + points[i]) / 2);
-        pose->x += weights[i] * step * cos(heading);
-        pose->y += weights[i] * step * sin(heading);
+        pose->x += weights[i] * step * strict_cos(heading);
+        pose->y += weights[i] * step * strict_sin(heading);
     }
     pose->heading = heading_at(curve, s + step);
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 #include "sim/lattice/lattice_costs.h"
 #include "sim/lattice/lattice_curve.h"
 #include "sim/lattice/lattice_moves.h"
@@ -147,7 +148,7 @@ static void gather(const struct lattice *lattice, unsigned start, struct candida
 /* Above 0: the end lies to the left of the straight line. */
 static double side(const struct candidate *candidate)
 {
-    return cos(candidate->curve.heading) * candidate->dy - sin(candidate->curve.heading) * candidate->dx;
+    return strict_cos(candidate->curve.heading) * candidate->dy - strict_sin(candidate->curve.heading) * candidate->dx;
 }
 
 /* A kind of curve that a heading should have. */

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 #include "sim/lattice/lattice_costs.h"
 #include "sim/lattice/lattice_moves.h"
 #include "sim/lattice/lattice_sweep.h"
@@ -94,7 +95,7 @@ static json_t *json_skid_steer(const struct skid_steer_model *model)
 /* Of the margin that the lattice sweeps, half is what the robot may leave its trajectory by. */
 static json_t *json_navigation(const struct lattice_robot *robot)
 {
-    return json_pack("{s:f, s:f, s:b}", "radius_m", hypot(robot->length_m, robot->width_m) / 2, "margin_m",
+    return json_pack("{s:f, s:f, s:b}", "radius_m", strict_hypot(robot->length_m, robot->width_m) / 2, "margin_m",
                      robot->margin_m / 2, "is_swept", robot->radius_m > 0);
 }
 
@@ -148,7 +149,7 @@ static bool read_pose(const json_t *value, struct lattice_pose *pose)
 static bool extend(struct lattice_path *path, const struct lattice_pose *to)
 {
     const struct lattice_pose from = path->poses[path->count - 1];
-    const double way = hypot(to->x - from.x, to->y - from.y) / LATTICE_SPACING;
+    const double way = strict_hypot(to->x - from.x, to->y - from.y) / LATTICE_SPACING;
     const double turn = remainder(to->heading - from.heading, 2 * LATTICE_PI);
     const double steps = ceil(fmax(way, fabs(turn) / LATTICE_TURN));
 
@@ -189,7 +190,7 @@ static double sharpest(const struct lattice_path *path)
     for (size_t i = 1; i < path->count; i++) {
         const struct lattice_pose *from = &path->poses[i - 1];
         const struct lattice_pose *to = &path->poses[i];
-        largest = fmax(largest, fabs(to->heading - from->heading) / hypot(to->x - from->x, to->y - from->y));
+        largest = fmax(largest, fabs(to->heading - from->heading) / strict_hypot(to->x - from->x, to->y - from->y));
     }
     return largest;
 }
@@ -197,7 +198,7 @@ static double sharpest(const struct lattice_path *path)
 static bool is_near(const struct lattice *lattice, const struct lattice_pose *pose, double x, double y,
                     unsigned heading)
 {
-    return hypot(pose->x - x, pose->y - y) <= END_TOLERANCE &&
+    return strict_hypot(pose->x - x, pose->y - y) <= END_TOLERANCE &&
            fabs(remainder(pose->heading - lattice->headings[heading], 2 * LATTICE_PI)) <= END_TOLERANCE;
 }
 

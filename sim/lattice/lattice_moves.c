@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "sim/base/strict_math.h"
+
 /* A step costs its length times 1 + this × the square of its distance from the path in cells: a detour of a tenth is as
  * bad as two thirds of a cell beside the path. */
 #define DEVIATION_WEIGHT 0.25
@@ -20,7 +22,7 @@ struct search {
 
 double lattice_direction_angle(unsigned direction)
 {
-    return atan2(jp_move_offsets[direction].dy, jp_move_offsets[direction].dx);
+    return strict_atan2(jp_move_offsets[direction].dy, jp_move_offsets[direction].dx);
 }
 
 double lattice_move_length(enum jp_move_kind kind)

@@ -5,6 +5,7 @@
 
 #include "sim/balancer/energy_unit.h"
 #include "sim/balancer/rig.h"
+#include "sim/base/strict_math.h"
 
 #define RADIANS_PER_DEGREE (3.14159265358979323846 / 180)
 #define Q16                65536.0
@@ -40,7 +41,7 @@ static void describe_navigation(struct lattice_robot *robot, double cell_m, doub
     }
     if (!isnan(margin_m)) {
         robot->margin_m = margin_m;
-        robot->turning_radius_m = hypot(robot->length_m, robot->width_m) / 2 + margin_m;
+        robot->turning_radius_m = strict_hypot(robot->length_m, robot->width_m) / 2 + margin_m;
     }
 }
 
@@ -55,7 +56,7 @@ static void describe_skid_steer(struct lattice_robot *robot)
     robot->speed_max = model->lattice.speed_m_s;
     robot->turn_rate_max = model->lattice.turn_rate_rad_s;
     robot->pivot_duration = 0;
-    robot->grade_max = tan(model->limits.slope_deg * RADIANS_PER_DEGREE);
+    robot->grade_max = strict_tan(model->limits.slope_deg * RADIANS_PER_DEGREE);
     robot->grade_bend = -model->ground.rolling;
     robot->electronics_power = model->electronics.power_w;
     describe_navigation(robot, model->navigation.cell_m, model->navigation.margin_m);
@@ -132,7 +133,7 @@ static void describe_balancer(struct lattice_robot *robot)
     robot->track_m = file->body.width_m;
     robot->turn_rate_max = fmin(TURN_RATE_MAX, file->limits.turn_rate_rad_s);
     robot->pivot_duration = robot->balancer.model->settling_time / Q16;
-    robot->grade_max = tan(SLOPE_MAX_DEG * RADIANS_PER_DEGREE);
+    robot->grade_max = strict_tan(SLOPE_MAX_DEG * RADIANS_PER_DEGREE);
     robot->grade_bend = -robot->grade_max;
     robot->electronics_power = energy_unit_joules(robot->balancer.model, robot->balancer.model->electronics_power);
     robot->speed_max = cruising_speed(robot);

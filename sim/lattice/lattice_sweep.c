@@ -3,6 +3,8 @@
 #include <ccd/ccd.h>
 #include <math.h>
 
+#include "sim/base/strict_math.h"
+
 /* The prisms' heights differ, so that no two faces coincide. */
 #define ROBOT_HALF_HEIGHT 1.0
 #define CELL_HALF_HEIGHT  0.75
@@ -40,7 +42,7 @@ static bool touches(const struct prism *robot, int x, int y)
     ccd_t ccd;
 
     if (robot->radius > 0) {
-        return hypot(fmax(fabs(robot->x - x) - 0.5, 0), fmax(fabs(robot->y - y) - 0.5, 0)) < robot->radius;
+        return strict_hypot(fmax(fabs(robot->x - x) - 0.5, 0), fmax(fabs(robot->y - y) - 0.5, 0)) < robot->radius;
     }
     CCD_INIT(&ccd);
     ccd.support1 = support;
@@ -53,7 +55,7 @@ static bool touches(const struct prism *robot, int x, int y)
 /* The cells that one pose covers. */
 static bool cover(const struct prism *robot, struct lattice_cells *cells)
 {
-    const double radius = fmax(hypot(robot->half_length, robot->half_width), robot->radius);
+    const double radius = fmax(strict_hypot(robot->half_length, robot->half_width), robot->radius);
     const int left = (int)floor(robot->x - radius);
     const int right = (int)ceil(robot->x + radius);
     const int low = (int)floor(robot->y - radius);
@@ -75,15 +77,15 @@ bool lattice_sweep(const struct lattice_path *path, const struct lattice_footpri
                    struct lattice_cells *cells)
 {
     /* Grown by how far a corner turns in half the largest step, so that nothing is missed between two poses. */
-    const double corner = hypot(footprint->length, footprint->width) / 2;
+    const double corner = strict_hypot(footprint->length, footprint->width) / 2;
     const double margin = path->count > 1 ? corner * LATTICE_TURN / 2 : 0;
 
     for (size_t i = 0; i < path->count; i++) {
         const struct lattice_pose *pose = &path->poses[i];
         const struct prism robot = {.x = pose->x,
                                     .y = pose->y,
-                                    .cosine = cos(pose->heading),
-                                    .sine = sin(pose->heading),
+                                    .cosine = strict_cos(pose->heading),
+                                    .sine = strict_sin(pose->heading),
                                     .half_length = footprint->length / 2 + margin,
                                     .half_width = footprint->width / 2 + margin,
                                     .half_height = ROBOT_HALF_HEIGHT,

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "sim/balancer/plant.h"
+#include "sim/base/strict_math.h"
 
 /** Samples of a curve for its energy. */
 #define SAMPLES 48
@@ -42,7 +43,7 @@ struct problem {
 
 static double norm(struct bezier_point p)
 {
-    return hypot(p.x, p.y);
+    return strict_hypot(p.x, p.y);
 }
 
 static struct bezier_point minus(struct bezier_point a, struct bezier_point b)
@@ -82,10 +83,10 @@ struct bezier_motion bezier_motion(const struct bezier_path *path, size_t curve,
     double speed = norm(first);
 
     if (speed < SPEED_REST) {
-        return (struct bezier_motion){0, 0, atan2(second.y, second.x)};
+        return (struct bezier_motion){0, 0, strict_atan2(second.y, second.x)};
     }
     return (struct bezier_motion){speed, (first.x * second.y - first.y * second.x) / (speed * speed),
-                                  atan2(first.y, first.x)};
+                                  strict_atan2(first.y, first.x)};
 }
 
 /** Motor and electronics power of a motion with its accelerations, W. */

@@ -6,6 +6,7 @@
 #include "sim/base/error.h"
 #include "sim/base/fingerprint.h"
 #include "sim/base/progress.h"
+#include "sim/base/strict_math.h"
 #include "sim/missions/mission_log.h"
 
 #define DEGREES     (180 / M_PI)
@@ -96,8 +97,8 @@ static void follow_reference(struct run *run)
     const double heading = reference->heading / ANGLE16_ONE * 2 * M_PI;
     const double rolled = reference->speed / Q12_ONE / rate_of(run);
 
-    run->reference.x += rolled * cos(heading);
-    run->reference.y += rolled * sin(heading);
+    run->reference.x += rolled * strict_cos(heading);
+    run->reference.y += rolled * strict_sin(heading);
 }
 
 static double drawn(const struct run *run)
@@ -188,7 +189,7 @@ static void close_leg(struct run *run, struct mission_leg *leg)
     leg->plant_energy = plant_energy(run) - run->leg_plant +
                         (is_balancer(run) ? run->scenario->robot.electronics.power_w * leg->duration : 0);
     leg->end = position_of(&truth);
-    leg->end_error = hypot(truth.x - leg->target.x, truth.y - leg->target.y);
+    leg->end_error = strict_hypot(truth.x - leg->target.x, truth.y - leg->target.y);
     leg->end_speed = truth.speed;
     begin_leg(run);
     run->leg_tick--;

@@ -5,6 +5,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/fingerprint.h"
+#include "sim/base/strict_math.h"
 #include "sim/bus/course_view.h"
 #include "sim/missions/navigation_sight.h"
 #include "sim/missions/navigation_skid.h"
@@ -56,8 +57,8 @@ static struct clearance_pose pose_of(const struct run *run)
 static struct jp_place believed_of(const struct run *run)
 {
     const struct jp_can_pose_t *told = &run->navigation->drive.view.pose;
-    const double c = cos(run->start.heading);
-    const double s = sin(run->start.heading);
+    const double c = strict_cos(run->start.heading);
+    const double s = strict_sin(run->start.heading);
     const double x = told->x / Q16_ONE;
     const double y = told->y / Q16_ONE;
 
@@ -203,7 +204,7 @@ static void look(struct run *run)
     follow_forgetting(run);
     navigation_look(run->task, &pose, &believed, result, tell, run);
     navigation_measure(run->task, &run->body, &pose, result);
-    result->length_m += hypot(pose.x - run->before.x, pose.y - run->before.y);
+    result->length_m += strict_hypot(pose.x - run->before.x, pose.y - run->before.y);
     run->before = pose;
     show(run);
 }

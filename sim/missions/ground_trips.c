@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 #include "sim/missions/navigation_sight.h"
 #include "sim/missions/navigation_skid.h"
 #include "sim/skid_steer/skid_drive.h"
@@ -203,7 +204,7 @@ static void observe(void *context, const struct navigation_frame *frame)
 
     if (observer->has_begun) {
         observer->trip->metres_on[ground] +=
-            hypot(frame->pose.x - observer->before.x, frame->pose.y - observer->before.y);
+            strict_hypot(frame->pose.x - observer->before.x, frame->pose.y - observer->before.y);
     }
     observer->before = frame->pose;
     observer->has_begun = true;

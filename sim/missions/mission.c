@@ -10,6 +10,7 @@
 #include "sim/balancer/fault_names.h"
 #include "sim/base/error.h"
 #include "sim/base/progress.h"
+#include "sim/base/strict_math.h"
 #include "sim/missions/cruise_plan.h"
 #include "sim/missions/mission_log.h"
 #include "sim/missions/script.h"
@@ -89,8 +90,8 @@ static void follow_reference(struct drive *drive)
     jp_phase middle = drive->reference_yaw + (jp_phase)((int64_t)(telemetry.reference_yaw - drive->reference_yaw) / 2);
     double heading = phase_turns(middle, 0) * 2 * M_PI;
 
-    drive->reference.x += rolled * cos(heading);
-    drive->reference.y += rolled * sin(heading);
+    drive->reference.x += rolled * strict_cos(heading);
+    drive->reference.y += rolled * strict_sin(heading);
     drive->reference_wheel = telemetry.reference_wheel;
     drive->reference_yaw = telemetry.reference_yaw;
 }
@@ -154,7 +155,8 @@ void mission_note_passing(struct mission *mission, size_t leg, struct bezier_poi
     for (size_t i = leg > 0 ? leg - 1 : 0; i <= leg && leg < mission->leg_count; i++) {
         struct mission_leg *passed = &mission->legs[i];
 
-        passed->passed = fmin(passed->passed, hypot(position.x - passed->target.x, position.y - passed->target.y));
+        passed->passed =
+            fmin(passed->passed, strict_hypot(position.x - passed->target.x, position.y - passed->target.y));
     }
 }
 
@@ -192,7 +194,7 @@ static void close_leg(const struct drive *drive, struct mission_leg *leg)
     leg->plant_energy = mission_plant_energy(drive->scenario, plant) - drive->leg_plant +
                         drive->scenario->robot.electronics.power_w * leg->duration;
     leg->end = (struct bezier_point){plant->x, plant->y};
-    leg->end_error = hypot(plant->x - leg->target.x, plant->y - leg->target.y);
+    leg->end_error = strict_hypot(plant->x - leg->target.x, plant->y - leg->target.y);
     leg->end_speed = plant->state.wheel_rate * drive->scenario->robot.wheel.radius_m;
 }
 

@@ -6,6 +6,7 @@
 #include "sim/balancer/fault_names.h"
 #include "sim/base/error.h"
 #include "sim/base/progress.h"
+#include "sim/base/strict_math.h"
 #include "sim/missions/mission_log.h"
 #include "sim/missions/navigation_skid.h"
 
@@ -168,7 +169,7 @@ static void note_result(struct skid_mission *run)
     leg->plant_energy = plant - run->leg_plant;
     run->leg_plant = plant;
     leg->end = (struct bezier_point){pose.x, pose.y};
-    leg->end_error = hypot(pose.x - leg->target.x, pose.y - leg->target.y);
+    leg->end_error = strict_hypot(pose.x - leg->target.x, pose.y - leg->target.y);
     leg->end_speed = run->skid.world.plant.state.forward;
 }
 
@@ -181,7 +182,7 @@ static void note_passing(struct skid_mission *run)
 
     for (size_t i = ended > 0 ? ended - 1 : 0; i <= ended && i < mission->leg_count; i++) {
         struct mission_leg *leg = &mission->legs[i];
-        const double distance = hypot(pose.x - leg->target.x, pose.y - leg->target.y);
+        const double distance = strict_hypot(pose.x - leg->target.x, pose.y - leg->target.y);
 
         leg->passed = fmin(leg->passed, distance);
     }

@@ -6,6 +6,7 @@
 
 #include "hal/app/navigation.h"
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 #include "sim/missions/navigation_sight.h"
 
 #define Q16 65536.0
@@ -331,10 +332,10 @@ static void tick(struct navigation *navigation, uint64_t tick)
         const struct jp_place believed = jp_navigator_place(&navigation->navigator);
 
         look(navigation);
-        navigation->result->drift_m =
-            fmax(navigation->result->drift_m, hypot(pose.x - believed.point.x / Q16, pose.y - believed.point.y / Q16));
+        navigation->result->drift_m = fmax(navigation->result->drift_m, strict_hypot(pose.x - believed.point.x / Q16,
+                                                                                     pose.y - believed.point.y / Q16));
         navigation_measure(navigation->task, &navigation->robot->body, &pose, navigation->result);
-        navigation->result->length_m += hypot(pose.x - navigation->before.x, pose.y - navigation->before.y);
+        navigation->result->length_m += strict_hypot(pose.x - navigation->before.x, pose.y - navigation->before.y);
         navigation->before = pose;
         show(navigation);
     }
@@ -468,7 +469,7 @@ static bool prepare_navigator(struct navigation *navigation, void *block)
     const struct navigation_robot *robot = navigation->robot;
     const struct jp_planner_config planner = {task->lattice, JP_COST_PHYSICAL, JP_NAVIGATION_EPSILON};
     const struct jp_place origin = navigation_place(&navigation->start);
-    const double radius = hypot(robot->body.length_m, robot->body.width_m) / 2;
+    const double radius = strict_hypot(robot->body.length_m, robot->body.width_m) / 2;
     const struct jp_navigator_config config = {.planner = &navigation->planner,
                                                .vehicle = &robot->vehicle,
                                                .radius = (jp_q16)lround(radius * Q16),

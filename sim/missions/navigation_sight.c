@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sim/base/strict_math.h"
+
 #define Q16     65536.0
 #define TURN    4294967296.0
 #define PI      3.14159265358979323846
@@ -30,8 +32,8 @@ struct jp_place navigation_place(const struct clearance_pose *pose)
 
 struct clearance_pose navigation_pose(const struct clearance_pose *start, const struct plant *plant)
 {
-    const double c = cos(start->heading);
-    const double s = sin(start->heading);
+    const double c = strict_cos(start->heading);
+    const double s = strict_sin(start->heading);
 
     return (struct clearance_pose){start->x + plant->x * c - plant->y * s, start->y + plant->x * s + plant->y * c,
                                    start->heading + plant->state.yaw};
@@ -46,7 +48,7 @@ double navigation_goal_error(const struct navigation_task *task, const struct cl
 {
     const double cell = cell_of(task);
 
-    return hypot(pose->x - (task->goal.x + 0.5) * cell, pose->y - (task->goal.y + 0.5) * cell);
+    return strict_hypot(pose->x - (task->goal.x + 0.5) * cell, pose->y - (task->goal.y + 0.5) * cell);
 }
 
 /** Of a cell's side, to either side of its middle: a blocked cell is free when nothing is there, so that it does not
@@ -69,8 +71,8 @@ static struct shift shift_of(const struct navigation_task *task, const struct cl
 
     return (struct shift){.from = from,
                           .believed = {believed->point.x / Q16, believed->point.y / Q16, heading},
-                          .c = cos(turn),
-                          .s = sin(turn),
+                          .c = strict_cos(turn),
+                          .s = strict_sin(turn),
                           .cell = cell_of(task)};
 }
 
@@ -122,7 +124,7 @@ static bool is_in_view(const struct navigation_task *task, const struct shift *s
     true_place(shift, x + 0.5, y + 0.5, to);
 
     const double from[2] = {shift->from->x / shift->cell, shift->from->y / shift->cell};
-    const double distance = hypot(to[0] - from[0], to[1] - from[1]);
+    const double distance = strict_hypot(to[0] - from[0], to[1] - from[1]);
     const int steps = (int)ceil(2 * distance);
 
     for (int i = 1; i < steps; i++) {

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 #include "sim/skid_steer/skid_hal_sim.h"
 
 #define Q16 65536.0
@@ -78,7 +79,7 @@ static double deviation(const void *self)
     const double mean = ((double)estimate.xx + (double)estimate.yy) / 2;
     const double half = ((double)estimate.xx - (double)estimate.yy) / 2;
 
-    return sqrt((mean + hypot(half, (double)estimate.xy)) / Q32);
+    return sqrt((mean + strict_hypot(half, (double)estimate.xy)) / Q32);
 }
 
 static void stand(struct navigation_skid *skid, double seconds)

@@ -6,6 +6,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/random.h"
+#include "sim/base/strict_math.h"
 
 /** Of a box, and how far its middle is from the route at most, m. */
 #define SIDE_MIN 0.2
@@ -24,7 +25,8 @@ static bool is_kept_free(const struct jp_terrain *terrain, const struct plan_tas
 {
     const double least = cells(terrain, KEPT_FREE);
 
-    return hypot(x - task->start.x, y - task->start.y) < least || hypot(x - task->goal.x, y - task->goal.y) < least;
+    return strict_hypot(x - task->start.x, y - task->start.y) < least ||
+           strict_hypot(x - task->goal.x, y - task->goal.y) < least;
 }
 
 static void put_box(struct jp_terrain *terrain, const struct plan_task *task, double x, double y, double width,

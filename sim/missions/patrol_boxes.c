@@ -6,6 +6,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/random.h"
+#include "sim/base/strict_math.h"
 #include "sim/four_wheel/patrol_config.h"
 #include "sim/four_wheel/patrol_robots.h"
 
@@ -28,8 +29,8 @@ static double cell_of(const struct patrol_scene *scene)
 
 static bool is_kept_free(const struct patrol_scene *scene, double x, double y)
 {
-    return hypot(x - (double)scene->start.x, y - (double)scene->start.y) < KEPT_FREE ||
-           hypot(x - (double)scene->goal.x, y - (double)scene->goal.y) < KEPT_FREE;
+    return strict_hypot(x - (double)scene->start.x, y - (double)scene->start.y) < KEPT_FREE ||
+           strict_hypot(x - (double)scene->goal.x, y - (double)scene->goal.y) < KEPT_FREE;
 }
 
 /* A box about a point, m. */

@@ -5,6 +5,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/fingerprint.h"
+#include "sim/base/strict_math.h"
 
 #define MAP_ID 1
 
@@ -103,7 +104,7 @@ static void keep_books(struct run *run)
     plant_node_fingerprint(&run->bus->drive.plant, &run->bus->fingerprint);
     fingerprint_add(&run->bus->fingerprint, &view->spent.energy, sizeof view->spent.energy);
     take_events(run);
-    run->bus->result.length += hypot(state->pose.x - run->before.x, state->pose.y - run->before.y);
+    run->bus->result.length += strict_hypot(state->pose.x - run->before.x, state->pose.y - run->before.y);
     run->bus->result.reversed += state->forward < -0.03 ? -state->forward / FOUR_WHEEL_RATE_HZ : 0;
     run->before = state->pose;
 }
@@ -174,9 +175,9 @@ static void judge(struct run *run, double time)
 
     result->time = time;
     result->clearance_min = run->bus->body.world.distance_min;
-    result->position_error = hypot(pose->x - (double)run->goal.x, pose->y - (double)run->goal.y);
+    result->position_error = strict_hypot(pose->x - (double)run->goal.x, pose->y - (double)run->goal.y);
     result->heading_error = fabs(planar_wrap(pose->heading - (double)run->goal.heading));
-    result->odometry_error = hypot(pose->x - believed->x / MAP_METRE, pose->y - believed->y / MAP_METRE);
+    result->odometry_error = strict_hypot(pose->x - believed->x / MAP_METRE, pose->y - believed->y / MAP_METRE);
     result->replans = run->bus->drive.view.navigation.replans;
     result->reason = (enum jp_patrol_reason)run->bus->drive.view.patrol.patrol_reason;
     result->outcome = outcome_of(run);

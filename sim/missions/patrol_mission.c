@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 #include "sim/four_wheel/four_wheel_plant.h"
 #include "sim/four_wheel/laser.h"
 
@@ -93,8 +94,8 @@ static double path_length(const struct jp_patrol_mission *navigator)
     double length = 0;
 
     for (size_t i = 1; i < navigator->path_count; i++) {
-        length += hypot((double)navigator->path[i].x - navigator->path[i - 1].x,
-                        (double)navigator->path[i].y - navigator->path[i - 1].y) /
+        length += strict_hypot((double)navigator->path[i].x - navigator->path[i - 1].x,
+                               (double)navigator->path[i].y - navigator->path[i - 1].y) /
                   JP_Q16_ONE;
     }
     return length;
@@ -206,7 +207,7 @@ static void drive_ticks(struct patrol_mission *m)
         patrol_world_step(&m->world, &m->plant.state.pose, TICK);
         integrate_odometry(m);
         patrol_energy_tick(&m->energy, &m->plant);
-        m->result->length += hypot(m->plant.state.pose.x - x, m->plant.state.pose.y - y);
+        m->result->length += strict_hypot(m->plant.state.pose.x - x, m->plant.state.pose.y - y);
         m->result->reversed += m->plant.state.forward < -MOTION_SPEED ? -m->plant.state.forward * TICK : 0;
     }
     m->time += PERIOD;
@@ -370,9 +371,9 @@ static void judge(struct patrol_mission *m)
     result->clearance_min = m->world.distance_min;
     result->person_clearance_min = m->world.person_distance_min;
     result->contacts = m->world.contacts;
-    result->position_error = hypot(pose->x - goal.x, pose->y - goal.y);
+    result->position_error = strict_hypot(pose->x - goal.x, pose->y - goal.y);
     result->heading_error = fabs(planar_wrap(pose->heading - goal.heading));
-    result->odometry_error = hypot(pose->x - believed.x, pose->y - believed.y);
+    result->odometry_error = strict_hypot(pose->x - believed.x, pose->y - believed.y);
     result->replans = m->navigator.replans;
     result->counts = m->navigator.patrol.counts;
     result->outcome = outcome_of(m);

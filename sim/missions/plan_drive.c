@@ -5,6 +5,7 @@
 
 #include "sim/balancer/energy_unit.h"
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 
 #define Q16_ONE 65536.0
 
@@ -48,11 +49,11 @@ static struct clearance_pose place_of(const struct map_file *map, const struct j
     if (waypoint->side != 0) {
         const struct clearance_pose before = plan_grid_pose(map, lattice, &route->way[waypoint->pose - 1]);
         const struct clearance_pose after = plan_grid_pose(map, lattice, &route->way[waypoint->pose + 1]);
-        const double ahead = atan2(after.y - before.y, after.x - before.x);
+        const double ahead = strict_atan2(after.y - before.y, after.x - before.x);
         const double aside = waypoint->side * (double)map->terrain.config.resolution / JP_Q16_ONE;
 
-        place.x -= aside * sin(ahead);
-        place.y += aside * cos(ahead);
+        place.x -= aside * strict_sin(ahead);
+        place.y += aside * strict_cos(ahead);
     }
     return place;
 }
@@ -138,8 +139,8 @@ static struct bezier_point seen_from(const struct clearance_pose *start, const s
     const double dx = pose->x - start->x;
     const double dy = pose->y - start->y;
 
-    return (struct bezier_point){rounded(dx * cos(start->heading) + dy * sin(start->heading)),
-                                 rounded(dy * cos(start->heading) - dx * sin(start->heading))};
+    return (struct bezier_point){rounded(dx * strict_cos(start->heading) + dy * strict_sin(start->heading)),
+                                 rounded(dy * strict_cos(start->heading) - dx * strict_sin(start->heading))};
 }
 
 static void describe(const struct map_file *map, const struct lattice_robot *robot, struct plan_drive *drive)
@@ -215,11 +216,12 @@ static void watch(void *context, struct bezier_point position, double heading)
 {
     struct follower *follower = context;
     const struct clearance_pose *start = &follower->start;
-    const struct clearance_pose pose = {start->x + position.x * cos(start->heading) - position.y * sin(start->heading),
-                                        start->y + position.x * sin(start->heading) + position.y * cos(start->heading),
-                                        start->heading + heading};
+    const struct clearance_pose pose = {
+        start->x + position.x * strict_cos(start->heading) - position.y * strict_sin(start->heading),
+        start->y + position.x * strict_sin(start->heading) + position.y * strict_cos(start->heading),
+        start->heading + heading};
 
-    follower->length += hypot(position.x - follower->before.x, position.y - follower->before.y);
+    follower->length += strict_hypot(position.x - follower->before.x, position.y - follower->before.y);
     follower->before = position;
     follower->is_clear = follower->is_clear && clearance_at(follower->terrain, &follower->footprint, &pose);
 }

@@ -79,6 +79,7 @@ static bool run(struct jp_planner *planner, const struct map_file *map, const st
 bool plan_search(struct map_file *map, const struct jp_lattice *lattice, enum jp_cost_kind cost,
                  const struct plan_task *task, size_t memory, struct plan_search *search)
 {
+    const double begun = seconds_taken();
     struct jp_planner planner;
     void *block = aligned_alloc(ALIGNMENT, memory);
 
@@ -87,7 +88,6 @@ bool plan_search(struct map_file *map, const struct jp_lattice *lattice, enum jp
         error_line("--memory %zu: this computer has not that much; give less", memory / 1024);
         return false;
     }
-    const double begun = seconds_taken();
     const bool done = begin(&planner, map, lattice, cost, block, memory) && run(&planner, map, lattice, task, search);
 
     search->whole_s = seconds_taken() - begun;

@@ -10,7 +10,7 @@ struct plan_search {
     struct jp_plan plan;
     struct jp_planner_counts statistics;
     double planning_s; /**< the search, of the processor */
-    double whole_s;    /**< the same with the planner's set-up and the route, in memory that is there */
+    double whole_s;    /**< the same with the planner's block, its set-up and the route */
     struct plan_route route;
 };
 

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 #include "sim/missions/navigation_sight.h"
 #include "sim/skid_steer/skid_robots.h"
 
@@ -95,8 +96,8 @@ static void log_row(const struct plan_skid_drive *drive, const struct clearance_
     const struct clearance_pose *start = &drive->places[0];
     const double dx = pose->x - start->x;
     const double dy = pose->y - start->y;
-    const double c = cos(start->heading);
-    const double s = sin(start->heading);
+    const double c = strict_cos(start->heading);
+    const double s = strict_sin(start->heading);
 
     (void)fprintf(log, "%.3f,%.5f,%.5f,%.5f,%.4f\n", drive->driven.driven.time, dx * c + dy * s, dy * c - dx * s,
                   pose->heading - start->heading, spent(drive) - begin_energy);
@@ -119,7 +120,7 @@ static void follow(const struct jp_terrain *terrain, struct plan_skid_drive *dri
         if (tick % ticks_a_row == 0) {
             const struct clearance_pose pose = robot->pose(robot->self);
 
-            driven->driven.length += hypot(pose.x - before.x, pose.y - before.y);
+            driven->driven.length += strict_hypot(pose.x - before.x, pose.y - before.y);
             driven->is_clear = driven->is_clear && clearance_at(terrain, &robot->body, &pose);
             before = pose;
             log_row(drive, &pose, begin_energy, log);
@@ -128,7 +129,7 @@ static void follow(const struct jp_terrain *terrain, struct plan_skid_drive *dri
     driven->driven.energy = spent(drive) - begin_energy;
     driven->battery_energy = driven->driven.energy;
     driven->end_error =
-        hypot(before.x - drive->places[drive->path.count].x, before.y - drive->places[drive->path.count].y);
+        strict_hypot(before.x - drive->places[drive->path.count].x, before.y - drive->places[drive->path.count].y);
 }
 
 /* Path and odometry begin at the same place. */

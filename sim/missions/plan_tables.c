@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sim/base/strict_math.h"
+
 #define KIB 1024.0
 
 static const struct {
@@ -78,7 +80,7 @@ static double distance_left(const struct plan_report *report, const struct plan_
     const struct plan_place end = place_of(report, &plan_route_end(&search->route)->pose);
     const struct plan_place goal = goal_of(report);
 
-    return hypot(goal.x - end.x, goal.y - end.y);
+    return strict_hypot(goal.x - end.x, goal.y - end.y);
 }
 
 /* ---- Table ---- */

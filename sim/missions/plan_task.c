@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 
 #define DEGREES (180 / M_PI)
 
@@ -33,8 +34,8 @@ struct plan_place plan_map_place(const struct map_file *map, const struct cleara
 {
     const double yaw = map->origin[2];
 
-    return (struct plan_place){map->origin[0] + pose->x * cos(yaw) - pose->y * sin(yaw),
-                               map->origin[1] + pose->x * sin(yaw) + pose->y * cos(yaw),
+    return (struct plan_place){map->origin[0] + pose->x * strict_cos(yaw) - pose->y * strict_sin(yaw),
+                               map->origin[1] + pose->x * strict_sin(yaw) + pose->y * strict_cos(yaw),
                                (pose->heading + yaw) * DEGREES, true};
 }
 
@@ -65,8 +66,8 @@ static bool find_cell(const struct map_file *map, const char *what, const struct
     const double yaw = map->origin[2];
     const double dx = place->x - map->origin[0];
     const double dy = place->y - map->origin[1];
-    const double column = floor((dx * cos(yaw) + dy * sin(yaw)) / cell);
-    const double row = floor((dy * cos(yaw) - dx * sin(yaw)) / cell);
+    const double column = floor((dx * strict_cos(yaw) + dy * strict_sin(yaw)) / cell);
+    const double row = floor((dy * strict_cos(yaw) - dx * strict_sin(yaw)) / cell);
     const struct jp_terrain_config *config = &map->terrain.config;
 
     if (!(column >= 0 && column < config->width && row >= 0 && row < config->height)) {
@@ -221,7 +222,7 @@ static bool choose(struct flood *flood, const struct jp_lattice *lattice, struct
     }
     const struct jp_lattice_pose from = {(int16_t)(start % width), (int16_t)(start / width), 0};
     const struct jp_lattice_pose to = {(int16_t)(goal % width), (int16_t)(goal / width), 0};
-    const unsigned heading = nearest_heading(lattice, atan2(to.y - from.y, to.x - from.x));
+    const unsigned heading = nearest_heading(lattice, strict_atan2(to.y - from.y, to.x - from.x));
     *task = (struct plan_task){
         .start = {from.x, from.y, (uint8_t)heading}, .goal = {to.x, to.y, JP_ANY_HEADING}, .is_chosen = true};
     return true;

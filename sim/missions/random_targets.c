@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sim/base/strict_math.h"
+
 /* Legs in m, turns from leg to leg in rad. */
 #define LEG_MIN  1.0
 #define LEG_MAX  10.0
@@ -18,8 +20,8 @@ void random_targets_draw(struct random *random, const struct rig *rig, struct jp
         const double length = random_uniform(random, LEG_MIN, LEG_MAX);
 
         heading += random_uniform(random, -TURN_MAX, TURN_MAX);
-        x += length * cos(heading);
-        y += length * sin(heading);
+        x += length * strict_cos(heading);
+        y += length * strict_sin(heading);
         targets[i] = (struct jp_point){(jp_q16)lround(x * JP_Q16_ONE), (jp_q16)lround(y * JP_Q16_ONE)};
     }
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 #include "sim/files/config_fields.h"
 #include "sim/files/config_file.h"
 
@@ -190,7 +191,7 @@ static bool check_distance(const char *path, const struct scenario *scenario, un
 {
     const struct bezier_point *a = &scenario->waypoints[index - 1];
     const struct bezier_point *b = &scenario->waypoints[index];
-    double distance = hypot(b->x - a->x, b->y - a->y);
+    double distance = strict_hypot(b->x - a->x, b->y - a->y);
 
     if (distance < DISTANCE_MIN) {
         error_line("%s: waypoints[%u]: coincides with the one before it; remove one of them", path, index);

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "sim/base/strict_math.h"
+
 /** A Bézier path is followed in steps of this length. */
 #define BEZIER_STEP_SECONDS 0.02
 
@@ -32,14 +34,14 @@ static double turn_between(double from, double to)
 
 static double bearing(struct bezier_point from, struct bezier_point to)
 {
-    return atan2(to.y - from.y, to.x - from.x);
+    return strict_atan2(to.y - from.y, to.x - from.x);
 }
 
 /** Where a robot that drives on by `way` while it turns would have turned at once. */
 static struct bezier_point turning_point(struct bezier_point from, double way, double heading, double turned)
 {
-    return (struct bezier_point){from.x + way * (cos(heading) - cos(turned)),
-                                 from.y + way * (sin(heading) - sin(turned))};
+    return (struct bezier_point){from.x + way * (strict_cos(heading) - strict_cos(turned)),
+                                 from.y + way * (strict_sin(heading) - strict_sin(turned))};
 }
 
 bool script_straight(struct script *script, const struct bezier_point *waypoints, size_t count, const double *durations,
@@ -57,7 +59,7 @@ bool script_straight(struct script *script, const struct bezier_point *waypoints
             turning_point(waypoints[leg], turn_lag * speed, heading, bearing(waypoints[leg], to));
         struct experiment_segment segment = {.turn = turn_between(heading, bearing(from, to))};
 
-        speed = hypot(to.x - from.x, to.y - from.y) / durations[leg];
+        speed = strict_hypot(to.x - from.x, to.y - from.y) / durations[leg];
         segment.speed = speed;
         append(script, &segment, durations[leg], leg);
         heading = bearing(from, to);

@@ -7,6 +7,7 @@
 
 #include "sim/balancer/energy_unit.h"
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 #include "sim/missions/random_targets.h"
 
 /* The way back is this much to the left of the way out, m. */
@@ -189,8 +190,8 @@ static uint16_t draw_route(struct drive *drive)
     const uint16_t out = (uint16_t)random_uniform(&drive->random, TRIP_OUT_MIN, TRIP_OUT_MAX + 1);
     const struct jp_point home = jp_robot_position(&drive->rig.robot);
     const double heading = drive->rig.world.plant.state.yaw;
-    const jp_q16 aside_x = (jp_q16)lround(-BACK_ASIDE * sin(heading) * JP_Q16_ONE);
-    const jp_q16 aside_y = (jp_q16)lround(BACK_ASIDE * cos(heading) * JP_Q16_ONE);
+    const jp_q16 aside_x = (jp_q16)lround(-BACK_ASIDE * strict_sin(heading) * JP_Q16_ONE);
+    const jp_q16 aside_y = (jp_q16)lround(BACK_ASIDE * strict_cos(heading) * JP_Q16_ONE);
 
     random_targets_draw(&drive->random, &drive->rig, drive->targets, out);
     for (uint16_t i = 0; i < out; i++) {

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 #include "sim/missions/navigation_skid.h"
 
 /* Lines last so long at the usual speed, s; turns from line to line in rad. */
@@ -76,8 +77,8 @@ static void draw_targets(struct drive *drive, unsigned count)
         const double length = drive->speed * random_uniform(&drive->random, LINE_SECONDS_MIN, LINE_SECONDS_MAX);
 
         heading += random_uniform(&drive->random, -TURN_MAX, TURN_MAX);
-        x += length * cos(heading);
-        y += length * sin(heading);
+        x += length * strict_cos(heading);
+        y += length * strict_sin(heading);
         drive->targets[i] = point_of(x, y);
     }
 }
@@ -89,7 +90,7 @@ static uint16_t draw_route(struct drive *drive)
     const struct jp_vehicle_view view = seen(drive);
     const double heading = (int32_t)view.heading * ANGLE;
     const double aside = drive->speed * BACK_ASIDE_SECONDS;
-    const struct jp_point off = point_of(-aside * sin(heading), aside * cos(heading));
+    const struct jp_point off = point_of(-aside * strict_sin(heading), aside * strict_cos(heading));
 
     draw_targets(drive, out);
     for (unsigned i = 0; i < out; i++) {

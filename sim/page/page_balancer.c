@@ -8,6 +8,7 @@
 #include "sim/balancer/fault_names.h"
 #include "sim/balancer/rig.h"
 #include "sim/base/fingerprint.h"
+#include "sim/base/strict_math.h"
 #include "sim/missions/cruise_plan.h"
 #include "sim/missions/front.h"
 #include "sim/page/page_export.h"
@@ -231,15 +232,19 @@ PAGE_EXPORT(balancer_push) void balancer_push(double newtons, unsigned ticks)
 
 /* ---- The front ---- */
 
-/* The waypoints that were added, as the robot sees them from where it stands. */
+/* The waypoints that were added, as the robot sees them from where it comes to a stand. */
 static void see_waypoints(void)
 {
     const struct jp_telemetry telemetry = telemetry_now();
-    const double x = telemetry.position.x / Q16_ONE;
-    const double y = telemetry.position.y / Q16_ONE;
-    const double turned = (double)(int64_t)telemetry.target_yaw / 72057594037927936.0 * 2 * M_PI;
-    const double cosine = cos(turned);
-    const double sine = sin(turned);
+    struct jp_point position;
+    jp_angle heading = 0;
+
+    jp_robot_predict_end(&page.rig.robot, &telemetry, &position, &heading);
+    const double x = position.x / Q16_ONE;
+    const double y = position.y / Q16_ONE;
+    const double turned = (int32_t)heading / 4294967296.0 * 2 * M_PI;
+    const double cosine = strict_cos(turned);
+    const double sine = strict_sin(turned);
 
     for (size_t i = page.scenario.waypoint_count; i > 0; i--) {
         const struct bezier_point *at = &page.scenario.waypoints[i - 1];

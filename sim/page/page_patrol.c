@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "sim/base/fingerprint.h"
+#include "sim/base/strict_math.h"
 #include "sim/missions/patrol_mission.h"
 #include "sim/page/page_export.h"
 #include "sim/page/page_robots.h"
@@ -126,8 +127,8 @@ static void keep_scan(const struct patrol_view *view)
         if (range > 0) {
             const double bearing = scanner.heading + view->scan->first + i * view->scan->step;
 
-            page.scan[page.scan_count][0] = scanner.x + range * cos(bearing);
-            page.scan[page.scan_count][1] = scanner.y + range * sin(bearing);
+            page.scan[page.scan_count][0] = scanner.x + range * strict_cos(bearing);
+            page.scan[page.scan_count][1] = scanner.y + range * strict_sin(bearing);
             page.scan_count++;
         }
     }
@@ -193,8 +194,8 @@ static bool is_kept_free(double x, double y)
     const struct jp_plane_pose *start = &page.scene.start;
     const struct jp_plane_pose *goal = &page.scene.goal;
 
-    return hypot(x - (double)start->x, y - (double)start->y) < KEPT_FREE ||
-           hypot(x - (double)goal->x, y - (double)goal->y) < KEPT_FREE;
+    return strict_hypot(x - (double)start->x, y - (double)start->y) < KEPT_FREE ||
+           strict_hypot(x - (double)goal->x, y - (double)goal->y) < KEPT_FREE;
 }
 
 /** Somebody who stands there; before patrol_begin(). False: there is no room for more, or it is too near to start or

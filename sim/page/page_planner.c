@@ -7,6 +7,7 @@
 
 #include "hal/app/navigation.h"
 #include "sim/base/fingerprint.h"
+#include "sim/base/strict_math.h"
 #include "sim/missions/navigation_balancer.h"
 #include "sim/missions/navigation_sight.h"
 #include "sim/missions/navigation_skid.h"
@@ -276,7 +277,7 @@ static enum jp_status prepare(const struct clearance_pose *start)
 {
     const struct jp_planner_config planner = {page.lattice, JP_COST_PHYSICAL, JP_NAVIGATION_EPSILON};
     const struct jp_place origin = navigation_place(start);
-    const double radius = hypot(page.robot.body.length_m, page.robot.body.width_m) / 2;
+    const double radius = strict_hypot(page.robot.body.length_m, page.robot.body.width_m) / 2;
     const size_t way_size = jp_navigator_way_size(&page.map.config);
     const size_t seen_size = jp_navigator_seen_size(&page.map.config);
     const char *field;
@@ -428,7 +429,7 @@ static void look(void)
 
     navigation_look(&page.task, &pose, &believed, &page.result, tell, NULL);
     navigation_measure(&page.task, &page.robot.body, &pose, &page.result);
-    page.result.length_m += hypot(pose.x - page.before.x, pose.y - page.before.y);
+    page.result.length_m += strict_hypot(pose.x - page.before.x, pose.y - page.before.y);
     page.before = pose;
 }
 
@@ -602,7 +603,7 @@ static void view_robot(void)
         is_skid ? page.skid.world.plant.attitude.bus_voltage : page.balancer.rig.world.bus_voltage;
     page.view[VIEW_length_m] = page.robot.body.length_m;
     page.view[VIEW_width_m] = page.robot.body.width_m;
-    page.view[VIEW_radius_m] = hypot(page.robot.body.length_m, page.robot.body.width_m) / 2;
+    page.view[VIEW_radius_m] = strict_hypot(page.robot.body.length_m, page.robot.body.width_m) / 2;
 }
 
 static double vehicle_joules(jp_q16 energy)

@@ -7,6 +7,7 @@
 #include "sim/base/error.h"
 #include "sim/base/output.h"
 #include "sim/base/progress.h"
+#include "sim/base/strict_math.h"
 #include "sim/four_wheel/four_wheel_drive.h"
 #include "sim/four_wheel/four_wheel_file.h"
 
@@ -98,7 +99,7 @@ static void start(struct identification *of, struct four_wheel_drive *drive, con
 {
     struct jp_four_wheel_piece piece;
 
-    four_wheel_drive_start(drive, robot, rise * cos(towards), rise * sin(towards));
+    four_wheel_drive_start(drive, robot, rise * strict_cos(towards), rise * strict_sin(towards));
     (void)four_wheel_drive_tick(drive, &(struct four_wheel_twist){0, 0, 0}, &piece);
     of->written = drive->plant.ledger.battery;
 }
@@ -131,7 +132,7 @@ static void drive_across(struct identification *of)
         for (int slope = -1; slope <= 1; slope++) {
             const double course = M_PI / 4 * part;
             const double speed = of->robot.band.speed_m_s / 2;
-            const struct four_wheel_twist twist = {speed * cos(course), speed * sin(course), 0};
+            const struct four_wheel_twist twist = {speed * strict_cos(course), speed * strict_sin(course), 0};
             drive_design(of, &twist, RISE_MAX * slope, M_PI / 3);
         }
     }
@@ -175,7 +176,7 @@ static void drive_changes(struct identification *of)
         const double rate = fmin(of->robot.band.turn_rate_rad_s, speed / of->robot.steering.radius_min_m) / 2;
         const struct four_wheel_twist left = {speed, 0, rate};
         const struct four_wheel_twist right = {speed, 0, -rate};
-        const struct four_wheel_twist across = {speed * cos(M_PI / 8), speed * sin(M_PI / 8), 0};
+        const struct four_wheel_twist across = {speed * strict_cos(M_PI / 8), speed * strict_sin(M_PI / 8), 0};
         const struct four_wheel_twist aside = {0, speed, 0};
         const struct four_wheel_twist spin = {0, 0, rate};
 
@@ -254,7 +255,7 @@ static json_t *about(const struct identification *of)
 {
     const struct four_wheel_file *robot = &of->robot;
     const double weight = robot->body.mass_kg * FOUR_WHEEL_GRAVITY;
-    const double arm = hypot(robot->body.wheelbase_m, robot->body.track_m) / 2;
+    const double arm = strict_hypot(robot->body.wheelbase_m, robot->body.track_m) / 2;
     const double amperes = weight * robot->wheel.radius_m / robot->drive.torque_constant_nm_a;
     const double scrub = robot->steering.friction_nm / robot->steering.torque_constant_nm_a;
 

@@ -356,7 +356,8 @@ static double felt_inertia(const struct skid_plant *plant)
 static json_t *about(const struct identification *of)
 {
     const struct skid_steer_model *model = &of->model;
-    const double per_ampere = model->motor.torque_constant * model->motor.gear_ratio * model->motor.efficiency;
+    const double amperes_per_newton =
+        model->wheel.radius_m / (model->motor.torque_constant * model->motor.gear_ratio * model->motor.efficiency);
     const struct skid_ground level = {NULL, NULL};
     const struct planar_pose pose = {0, 0, 0};
     struct skid_plant plant;
@@ -369,7 +370,7 @@ static json_t *about(const struct identification *of)
                      model->body.mass_kg * STANDARD_GRAVITY, "friction", model->ground.friction, "felt_mass_kg",
                      felt_mass(&plant), "felt_inertia_kg_m2", felt_inertia(&plant), "electronics_w",
                      model->electronics.power_w, "efficiency", model->motor.efficiency, "ohm_per_newton_squared",
-                     model->motor.resistance_ohm * pow(model->wheel.radius_m / per_ampere, 2));
+                     model->motor.resistance_ohm * amperes_per_newton * amperes_per_newton);
 }
 
 static bool identify(const struct arguments *arguments)

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sim/base/strict_math.h"
+
 #define SECOND     1.0  /* s */
 #define TRY_STEP   0.1  /* between instants at which the robot might have braked, s */
 #define DRIVE_STEP 0.01 /* of driving again, s */
@@ -39,8 +41,8 @@ static size_t index_at(const struct contact_history *history, double time)
 static double way_between(const struct contact_robot *robot, const struct planar_pose *from,
                           const struct planar_pose *to)
 {
-    return hypot(to->x - from->x, to->y - from->y) +
-           hypot(robot->half_length, robot->half_width) * fabs(planar_wrap(to->heading - from->heading));
+    return strict_hypot(to->x - from->x, to->y - from->y) +
+           strict_hypot(robot->half_length, robot->half_width) * fabs(planar_wrap(to->heading - from->heading));
 }
 
 static struct planar_point into_frame(const struct planar_pose *pose, const struct planar_point *point)
@@ -68,7 +70,7 @@ static double distance_of(const struct contact_robot *robot, const struct planar
     const struct planar_point there = into_frame(pose, person);
     const struct planar_point nearest = nearest_point(robot, &there);
 
-    return hypot(there.x - nearest.x, there.y - nearest.y) - radius;
+    return strict_hypot(there.x - nearest.x, there.y - nearest.y) - radius;
 }
 
 static bool has_moved(const struct contact_history *history, const struct contact_robot *robot)
@@ -90,7 +92,7 @@ static bool has_moved_into(const struct contact_history *history, const struct c
     const struct planar_point there = into_frame(&last->robot, at);
     const struct planar_point touched = nearest_point(robot, &there);
     const struct planar_point now = planar_place(&last->robot, touched);
-    const double length = hypot(at->x - now.x, at->y - now.y);
+    const double length = strict_hypot(at->x - now.x, at->y - now.y);
     double most = 0;
 
     for (size_t i = index_at(history, last->time - SECOND); i < history->count && length > 0; i++) {

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "sim/base/clearance.h"
+#include "sim/base/strict_math.h"
 
 #define CELL JP_Q16(0.05) /* side, m */
 
@@ -131,13 +132,13 @@ static double distance_from(const struct planar_shape *shape, double x, double y
     const double dy = y - shape->pose.y;
 
     if (shape->kind == PLANAR_DISC) {
-        return fmax(hypot(dx, dy) - shape->radius, 0);
+        return fmax(strict_hypot(dx, dy) - shape->radius, 0);
     }
-    const double cosine = cos(shape->pose.heading);
-    const double sine = sin(shape->pose.heading);
+    const double cosine = strict_cos(shape->pose.heading);
+    const double sine = strict_sin(shape->pose.heading);
     const double along = fabs(cosine * dx + sine * dy) - shape->half_length;
     const double across = fabs(cosine * dy - sine * dx) - shape->half_width;
-    return hypot(fmax(along, 0), fmax(across, 0));
+    return strict_hypot(fmax(along, 0), fmax(across, 0));
 }
 
 void patrol_draft_hide(struct patrol_draft *draft, const struct planar_shape *shape)
@@ -348,14 +349,14 @@ static bool is_reachable(const struct patrol_scene *scene)
 static bool leg_is_free(const struct patrol_scene *scene, const struct disc *disc, const struct planar_point *from,
                         const struct planar_point *to)
 {
-    const int steps = (int)(hypot(to->x - from->x, to->y - from->y) / WALK_STEP) + 1;
+    const int steps = (int)(strict_hypot(to->x - from->x, to->y - from->y) / WALK_STEP) + 1;
 
     for (int i = 0; i <= steps; i++) {
         const struct planar_pose at = {from->x + (to->x - from->x) * i / steps, from->y + (to->y - from->y) * i / steps,
                                        0};
         if (!disc_fits_at(scene, disc, &at) ||
-            hypot(at.x - (double)scene->start.x, at.y - (double)scene->start.y) < WALKER_M ||
-            hypot(at.x - (double)scene->goal.x, at.y - (double)scene->goal.y) < WALKER_M) {
+            strict_hypot(at.x - (double)scene->start.x, at.y - (double)scene->start.y) < WALKER_M ||
+            strict_hypot(at.x - (double)scene->goal.x, at.y - (double)scene->goal.y) < WALKER_M) {
             return false;
         }
     }

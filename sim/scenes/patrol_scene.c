@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 #include "sim/files/map_file.h"
 #include "sim/scenes/patrol_draft.h"
 
@@ -99,7 +100,7 @@ static struct patrol_area inner(const struct patrol_area *area, int border)
 
 static double distance(const struct jp_plane_pose *a, const struct jp_plane_pose *b)
 {
-    return hypot((double)a->x - (double)b->x, (double)a->y - (double)b->y);
+    return strict_hypot((double)a->x - (double)b->x, (double)a->y - (double)b->y);
 }
 
 static int larger(int a, int b)
@@ -386,7 +387,7 @@ static struct planar_point draw_place(struct patrol_draft *draft, const struct p
 /* Those who walk together do the same, side by side. */
 static void add_group(struct patrol_draft *draft, const struct walker *first, int size)
 {
-    const double length = hypot(first->to.x - first->from.x, first->to.y - first->from.y);
+    const double length = strict_hypot(first->to.x - first->from.x, first->to.y - first->from.y);
     const struct planar_point along = {(first->to.x - first->from.x) / length, (first->to.y - first->from.y) / length};
 
     for (int i = 0; i < size; i++) {
@@ -411,7 +412,7 @@ static bool draw_walk(struct patrol_draft *draft, const struct patrol_area *hall
                               .radius = PEDESTRIAN_RADIUS,
                               .speed = random_uniform(&draft->random, WALKER_SLOW, WALKER_FAST),
                               .stays = patrol_draft_once_in(draft, 4)};
-    return hypot(person->to.x - person->from.x, person->to.y - person->from.y) >= WALK_MIN;
+    return strict_hypot(person->to.x - person->from.x, person->to.y - person->from.y) >= WALK_MIN;
 }
 
 static bool lay_out_people(struct patrol_draft *draft)

@@ -1,12 +1,8 @@
 #include "sim/scenes/patrol_world.h"
 
-#include <ccd/ccd.h>
+#include "sim/base/strict_math.h"
 
-/* libccd needs solids: prisms, whose heights differ so that no two faces coincide. */
-#define ROBOT_HALF_HEIGHT 1.0
-#define OTHER_HALF_HEIGHT 0.75
-
-/* Nearer than this only libccd tells whether shapes touch, m. */
+/* Nearer than this each shape is asked whether the robot touches it, m. */
 #define NEAR 0.02
 
 /* The distance so far is kept this exactly, m. */
@@ -33,7 +29,7 @@ static double leg_length(const struct patrol_obstacle *obstacle, size_t leg)
     const struct planar_point from = corner(obstacle, leg);
     const struct planar_point to = corner(obstacle, leg + 1);
 
-    return hypot(to.x - from.x, to.y - from.y);
+    return strict_hypot(to.x - from.x, to.y - from.y);
 }
 
 static double way_length(const struct patrol_obstacle *obstacle, size_t legs)
@@ -87,12 +83,12 @@ static void move(const struct patrol_obstacle *obstacle, double time, struct pla
     }
     const struct planar_point from = corner(obstacle, leg);
     const struct planar_point to = corner(obstacle, leg + 1);
-    const double bearing = atan2(to.y - from.y, to.x - from.x);
+    const double bearing = strict_atan2(to.y - from.y, to.x - from.x);
     const double speed = direction * obstacle->speed;
-    shape->pose = (struct planar_pose){from.x + left * cos(bearing), from.y + left * sin(bearing),
+    shape->pose = (struct planar_pose){from.x + left * strict_cos(bearing), from.y + left * strict_sin(bearing),
                                        planar_wrap(bearing + (direction < 0 ? M_PI : 0))};
-    velocity->x = speed * cos(bearing);
-    velocity->y = speed * sin(bearing);
+    velocity->x = speed * strict_cos(bearing);
+    velocity->y = speed * strict_sin(bearing);
 }
 
 /* How far any point of a shape has moved at most, m, since it was at a pose. */
@@ -100,7 +96,7 @@ static double way_between(const struct planar_pose *from, const struct planar_sh
 {
     const struct planar_pose moved = planar_between(from, &shape->pose);
 
-    return hypot(moved.x, moved.y) + planar_reach(shape) * fabs(moved.heading);
+    return strict_hypot(moved.x, moved.y) + planar_reach(shape) * fabs(moved.heading);
 }
 
 static struct planar_shape person_shape(const struct walker *person, const struct walker_state *walk)
@@ -140,60 +136,6 @@ static double place_obstacles(struct patrol_world *world)
     return world->thing_count == before ? way : INFINITY;
 }
 
-/* ---- libccd ---------------------------------------------------------------------------------------------------- */
-
-struct prism {
-    struct planar_shape shape;
-    double cosine;
-    double sine;
-    double half_height;
-};
-
-static struct prism prism_of(const struct planar_shape *shape, double half_height)
-{
-    return (struct prism){*shape, cos(shape->pose.heading), sin(shape->pose.heading), half_height};
-}
-
-static void support(const void *object, const ccd_vec3_t *direction, ccd_vec3_t *point)
-{
-    const struct prism *prism = object;
-    const struct planar_shape *shape = &prism->shape;
-    const double z = copysign(prism->half_height, direction->v[2]);
-
-    if (shape->kind == PLANAR_DISC) {
-        const double size = hypot(direction->v[0], direction->v[1]);
-        const double scale = size > 0 ? shape->radius / size : 0;
-        ccdVec3Set(point, shape->pose.x + scale * direction->v[0], shape->pose.y + scale * direction->v[1], z);
-        return;
-    }
-    const double along = prism->cosine * direction->v[0] + prism->sine * direction->v[1];
-    const double across = prism->cosine * direction->v[1] - prism->sine * direction->v[0];
-    const double u = copysign(shape->half_length, along);
-    const double v = copysign(shape->half_width, across);
-    ccdVec3Set(point, shape->pose.x + prism->cosine * u - prism->sine * v,
-               shape->pose.y + prism->sine * u + prism->cosine * v, z);
-}
-
-static void centre(const void *object, ccd_vec3_t *point)
-{
-    const struct prism *prism = object;
-
-    ccdVec3Set(point, prism->shape.pose.x, prism->shape.pose.y, 0);
-}
-
-static bool touches(const struct prism *robot, const struct planar_shape *shape)
-{
-    const struct prism other = prism_of(shape, OTHER_HALF_HEIGHT);
-    ccd_t ccd;
-
-    CCD_INIT(&ccd);
-    ccd.support1 = support;
-    ccd.support2 = support;
-    ccd.center1 = centre;
-    ccd.center2 = centre;
-    return ccdMPRIntersect(robot, &other, &ccd) != 0;
-}
-
 /* ---- Solid cells near the robot, run by run -------------------------------------------------------------------- */
 
 /* Cells (x, y)…(last, y), and what is left of the rectangle of cells after them. */
@@ -207,8 +149,8 @@ struct runs {
 
 static struct runs runs_around(const struct solid_map *map, const struct planar_shape *robot, double margin)
 {
-    const double cosine = fabs(cos(robot->pose.heading));
-    const double sine = fabs(sin(robot->pose.heading));
+    const double cosine = fabs(strict_cos(robot->pose.heading));
+    const double sine = fabs(strict_sin(robot->pose.heading));
     const double reach_x = robot->half_length * cosine + robot->half_width * sine + margin;
     const double reach_y = robot->half_length * sine + robot->half_width * cosine + margin;
     const int left = (int)floor((robot->pose.x - reach_x) / map->cell);
@@ -265,8 +207,8 @@ struct box {
 
 static struct box box_of(const struct planar_shape *shape)
 {
-    return (struct box){shape->pose, cos(shape->pose.heading), sin(shape->pose.heading), shape->half_length,
-                        shape->half_width};
+    return (struct box){shape->pose, strict_cos(shape->pose.heading), strict_sin(shape->pose.heading),
+                        shape->half_length, shape->half_width};
 }
 
 /* Of a point from a box; 0 within. */
@@ -277,7 +219,7 @@ static double point_distance(const struct box *box, double x, double y)
     const double out_x = fabs(box->cosine * dx + box->sine * dy) - box->half_length;
     const double out_y = fabs(box->cosine * dy - box->sine * dx) - box->half_width;
 
-    return hypot(fmax(out_x, 0), fmax(out_y, 0));
+    return strict_hypot(fmax(out_x, 0), fmax(out_y, 0));
 }
 
 /* Least distance of the corners of `a` from `b`. */
@@ -323,6 +265,11 @@ static double shape_distance(const struct box *robot, const struct planar_shape 
     return fmax(point_distance(robot, shape->pose.x, shape->pose.y) - shape->radius, 0);
 }
 
+static bool touches(const struct box *robot, const struct planar_shape *shape)
+{
+    return shape_distance(robot, shape) <= 0;
+}
+
 /* No solid cell is near enough to touch the circle around the robot, grown by a margin. */
 static bool is_open(const struct patrol_world *world, double margin)
 {
@@ -354,7 +301,7 @@ double patrol_world_distance(const struct patrol_world *world, double limit)
 
 /* ---- World ----------------------------------------------------------------------------------------------------- */
 
-static bool touches_map(const struct patrol_world *world, const struct prism *robot)
+static bool touches_map(const struct patrol_world *world, const struct box *robot)
 {
     struct runs runs = runs_around(&world->map, &world->robot, 0);
     while (next_run(&runs)) {
@@ -368,7 +315,7 @@ static bool touches_map(const struct patrol_world *world, const struct prism *ro
 
 enum patrol_touch patrol_world_touch(const struct patrol_world *world)
 {
-    const struct prism robot = prism_of(&world->robot, ROBOT_HALF_HEIGHT);
+    const struct box robot = box_of(&world->robot);
 
     for (size_t i = 0; i < world->thing_count; i++) {
         if (touches(&robot, &world->shapes[i])) {

@@ -4,7 +4,7 @@
  * People (walker.h) do not look where the robot is, and stand where it is in their way. A touch with one of them is the
  * robot's doing where contact.h says so; any other touch always is.
  *
- * Shapes are true: the robot's rectangle, discs, boxes and the map's solid cells. libccd decides whether they touch.
+ * Shapes are true: the robot's rectangle, discs, boxes and the map's solid cells. Where their distance is 0 they touch.
  */
 #ifndef JOULEPATH_SIM_SCENES_PATROL_WORLD_H
 #define JOULEPATH_SIM_SCENES_PATROL_WORLD_H
@@ -95,7 +95,7 @@ bool patrol_world_add_person(struct patrol_world *world, const struct walker *pe
  * kept. */
 void patrol_world_step(struct patrol_world *world, const struct planar_pose *pose, double seconds);
 
-/** Whether the robot touches a solid cell, an obstacle or a person now, by libccd alone. */
+/** Whether the robot touches a solid cell, an obstacle or a person now. */
 enum patrol_touch patrol_world_touch(const struct patrol_world *world);
 
 /** Least distance of the robot from solid cells and obstacles now, not from people, m; at most `limit`, 0 when they

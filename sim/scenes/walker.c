@@ -2,12 +2,14 @@
 
 #include <math.h>
 
+#include "sim/base/strict_math.h"
+
 /* Whoever is slower, for a robot that shifts as it stands, has not gone on, m/s. */
 #define PUSHING 0.1
 
 static double length_of(const struct walker *walker)
 {
-    return hypot(walker->to.x - walker->from.x, walker->to.y - walker->from.y);
+    return strict_hypot(walker->to.x - walker->from.x, walker->to.y - walker->from.y);
 }
 
 void walker_begin(const struct walker *walker, struct walker_state *state)

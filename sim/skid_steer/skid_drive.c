@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "sim/base/digital.h"
+#include "sim/base/strict_math.h"
 
 /* Of the loops, 1/s: wheel speeds and their integral, trim of the turn rate, way back along, heading and across. */
 #define WHEEL_RATE    20
@@ -43,7 +44,7 @@ static struct skid_steer_motion led_back(const struct skid_drive *drive, double 
     const double across = speed * per_metre * per_metre * error.y;
 
     return (struct skid_steer_motion){
-        .speed = speed == 0 ? 0 : speed * cos(error.heading) + clamp(ALONG_RATE * error.x, most),
+        .speed = speed == 0 ? 0 : speed * strict_cos(error.heading) + clamp(ALONG_RATE * error.x, most),
         .turn_rate = turn_rate + clamp(HEADING_RATE * error.heading + across, most / skid_half_track(model)),
     };
 }
@@ -120,5 +121,5 @@ double skid_drive_distance(const struct skid_drive *drive)
 {
     const struct planar_pose pose = skid_plant_pose(&drive->world.plant);
 
-    return hypot(drive->reference.x - pose.x, drive->reference.y - pose.y);
+    return strict_hypot(drive->reference.x - pose.x, drive->reference.y - pose.y);
 }

@@ -3,13 +3,15 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "sim/base/strict_math.h"
+
 #define Q16 65536.0
 
 struct skid_slope skid_slope_towards(double degrees, double heading)
 {
-    const double rise = tan(degrees * M_PI / 180);
+    const double rise = strict_tan(degrees * M_PI / 180);
 
-    return (struct skid_slope){.slope_x = rise * cos(heading), .slope_y = rise * sin(heading)};
+    return (struct skid_slope){.slope_x = rise * strict_cos(heading), .slope_y = rise * strict_sin(heading)};
 }
 
 static struct skid_ground_point on_slope(const void *context, double x, double y)

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sim/base/strict_math.h"
+
 struct skid_ground_point skid_on_hills(const void *context, double x, double y)
 {
     const struct skid_hills *hills = context;
@@ -9,8 +11,8 @@ struct skid_ground_point skid_on_hills(const void *context, double x, double y)
 
     for (int i = 0; i < SKID_HILLS; i++) {
         const double phase = hills->along_x[i] * x + hills->along_y[i] * y;
-        const double rise = hills->height[i] * cos(phase);
-        point.elevation += hills->height[i] * sin(phase);
+        const double rise = hills->height[i] * strict_cos(phase);
+        point.elevation += hills->height[i] * strict_sin(phase);
         point.slope_x += rise * hills->along_x[i];
         point.slope_y += rise * hills->along_y[i];
     }
@@ -24,8 +26,8 @@ struct skid_hills skid_random_hills(struct random *random, double steepest)
     for (int i = 0; i < SKID_HILLS; i++) {
         const double number = 2 * M_PI / random_uniform(random, 4, 12);
         const double turn = random_uniform(random, -M_PI, M_PI);
-        hills.along_x[i] = number * cos(turn);
-        hills.along_y[i] = number * sin(turn);
+        hills.along_x[i] = number * strict_cos(turn);
+        hills.along_y[i] = number * strict_sin(turn);
         hills.height[i] = random_uniform(random, 0, steepest / SKID_HILLS) / number;
     }
     return hills;
@@ -34,11 +36,11 @@ struct skid_hills skid_random_hills(struct random *random, double steepest)
 struct skid_hills skid_random_hills_within(struct random *random, double degrees)
 {
     struct skid_hills hills = skid_random_hills(random, 1);
-    const double steepest = tan(random_uniform(random, 0, degrees) * M_PI / 180);
+    const double steepest = strict_tan(random_uniform(random, 0, degrees) * M_PI / 180);
     double sum = 0;
 
     for (int i = 0; i < SKID_HILLS; i++) {
-        sum += hills.height[i] * hypot(hills.along_x[i], hills.along_y[i]);
+        sum += hills.height[i] * strict_hypot(hills.along_x[i], hills.along_y[i]);
     }
     for (int i = 0; i < SKID_HILLS; i++) {
         hills.height[i] *= steepest / sum;

@@ -1,4 +1,5 @@
 #include "sim/skid_steer/skid_plant.h"
+#include "sim/base/strict_math.h"
 
 /* Of the relaxation of a tread that rolls, over the length of its contact: steady slip, uniform load. */
 #define RELAXATION 1.2
@@ -168,8 +169,8 @@ static struct footing footing_at(const struct skid_plant *plant, const struct sk
     if (plant->ground.at == NULL) {
         return (struct footing){.lie = {0, 0, 1, 1}};
     }
-    const double cosine = cos(state->heading);
-    const double sine = sin(state->heading);
+    const double cosine = strict_cos(state->heading);
+    const double sine = strict_sin(state->heading);
     struct footing footing = {.elevation = 0};
     double moments[3] = {0};
 
@@ -359,8 +360,8 @@ static struct supply supply_of(const struct cell_source *source, double power)
 
 static void set_pose_rates(const struct lie *lie, const struct skid_state *state, struct skid_state *rate)
 {
-    const double cosine = cos(state->heading);
-    const double sine = sin(state->heading);
+    const double cosine = strict_cos(state->heading);
+    const double sine = strict_sin(state->heading);
 
     const double ahead = (state->forward - state->left * lie->ahead * lie->across / lie->normal) / lie->along;
     const double left = state->left * lie->along / lie->normal;
@@ -440,8 +441,8 @@ static void advance(const struct skid_plant *plant, const union numbers *start, 
 static void set_normal(const struct skid_state *state, struct skid_attitude *seen)
 {
     const struct lie lie = lie_of(seen->rise_ahead, seen->rise_across);
-    const double cosine = cos(state->heading);
-    const double sine = sin(state->heading);
+    const double cosine = strict_cos(state->heading);
+    const double sine = strict_sin(state->heading);
 
     seen->normal[0] = -(cosine * lie.ahead - sine * lie.across) / lie.normal;
     seen->normal[1] = -(sine * lie.ahead + cosine * lie.across) / lie.normal;
@@ -459,7 +460,8 @@ static void set_tilt_rates(const struct skid_attitude *before, const struct skid
 {
     const struct lie lie = lie_of(seen->rise_ahead, seen->rise_across);
     const double *n = seen->normal;
-    const double ahead[3] = {cos(state->heading) / lie.along, sin(state->heading) / lie.along, lie.ahead / lie.along};
+    const double ahead[3] = {strict_cos(state->heading) / lie.along, strict_sin(state->heading) / lie.along,
+                             lie.ahead / lie.along};
     const double left[3] = {n[1] * ahead[2] - n[2] * ahead[1], n[2] * ahead[0] - n[0] * ahead[2],
                             n[0] * ahead[1] - n[1] * ahead[0]};
     const double change[3] = {(n[0] - before->normal[0]) / h, (n[1] - before->normal[1]) / h,

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "sim/base/digital.h"
+#include "sim/base/strict_math.h"
 
 /* From rest to limits.speed_m_s takes so long, s. */
 #define RAMP_SECONDS 2.0
@@ -33,7 +34,7 @@ void skid_route_start(struct skid_route *route, const struct skid_steer_model *m
 struct planar_pose skid_route_pose(const struct planar_pose *pose, double speed, double turn_rate, double seconds)
 {
     const double turn = turn_rate * seconds;
-    const double shrink = fabs(turn) > 1e-6 ? sin(turn / 2) / (turn / 2) : 1;
+    const double shrink = fabs(turn) > 1e-6 ? strict_sin(turn / 2) / (turn / 2) : 1;
     const struct planar_pose motion = {speed * seconds * shrink, 0, turn};
 
     return planar_bend(pose, &motion);
@@ -47,7 +48,7 @@ static double rise_at(const struct skid_ground *ground, const struct planar_pose
     }
     const struct skid_ground_point point = ground->at(ground->context, pose->x, pose->y);
 
-    return point.slope_x * cos(pose->heading + turned) + point.slope_y * sin(pose->heading + turned);
+    return point.slope_x * strict_cos(pose->heading + turned) + point.slope_y * strict_sin(pose->heading + turned);
 }
 
 /* The ramp to another motion, s: a whole number of pieces. */

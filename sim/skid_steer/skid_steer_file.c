@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "sim/base/error.h"
+#include "sim/base/strict_math.h"
 #include "sim/files/config_fields.h"
 #include "sim/skid_steer/skid_plant.h"
 #include "sim/skid_steer/skid_steer_model.h"
@@ -106,7 +107,7 @@ const struct config_kind differential_drive_kind = KIND(DIFFERENTIAL_DRIVE, diff
 static bool check_together(const char *path, const struct skid_steer_model *model)
 {
     const struct skid_steer_motion climb = {model->limits.speed_m_s, 0,
-                                            tan(model->limits.slope_deg * RADIANS_PER_DEGREE)};
+                                            strict_tan(model->limits.slope_deg * RADIANS_PER_DEGREE)};
     const double volts = skid_steer_voltages(model, &climb).left;
     const double watts = (skid_steer_power(model, JP_COST_PHYSICAL, &climb) - model->electronics.power_w) / 2;
 

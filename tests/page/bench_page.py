@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The page in a browser without a window: its size over the wire, its first frame, how fast it simulates, and how far
-what it drives is from what this machine's mathematics give. Writes figures for tools/measure/figures.py."""
+"""The page in a browser without a window: its size over the wire, its first frame, how fast it simulates, and how many
+of its numbers are not those of this machine, bit by bit. Writes figures for tools/measure/figures.py."""
 import gzip
 import json
 import statistics
@@ -54,21 +54,25 @@ def driven_here(native, scene, calls):
     return native.view(scene)
 
 
+def is_same(here, there):
+    """What is no number here, because it is unknown, is null in what the browser answers."""
+    return here == there or (here != here and there is None)
+
+
 def main():
     browser = Browser()
     first = statistics.median(first_frames(browser))
     open_page(browser)
     browser.click("#pause")
-    same_libm, host_libm = Native(BUILD / "page-native/libpage-musl.so"), Native(BUILD / "page-native/libpage.so")
-    factors, differences, unequal = {}, [], 0
+    native = Native(BUILD / "page-native/libpage.so")
+    factors, unequal, count = {}, 0, 0
     for scene, drives in DRIVES.items():
         for calls in drives:
             view, factor = driven_there(browser, scene, calls)
             factors.setdefault(scene, []).append(factor)
-            same = driven_here(same_libm, scene, calls)
-            unequal += sum(value == value and value != view[name] for name, value in same.items())
-            differences.append(abs(view["driven_j"] / driven_here(host_libm, scene, calls)["driven_j"] - 1))
-    assert len(differences) == 11
+            here = driven_here(native, scene, calls)
+            unequal += sum(not is_same(value, view[name]) for name, value in here.items())
+            count += len(here)
     browser.close()
     figures = [
         figure("over the wire, compressed", compressed(), "kB", ("<=", 700)),
@@ -76,8 +80,8 @@ def main():
         figure("simulation of the balancer, times real time, least of 2 robots", min(factors["balancer"]), "", (">=", 50)),
         figure("simulation of robots that find their way, times real time, least of 3", min(factors["planner"]), ""),
         figure("simulation of the patrol robot, times real time, least of 6 scenes", min(factors["patrol"]), ""),
-        figure("11 drives: numbers other than those of this machine with the same mathematics", unequal, "", ("==", 0)),
-        figure("11 drives: energy against this machine's own mathematics, largest difference", 100 * max(differences), "%", ("<=", 0.1)),
+        figure("11 drives: numbers that are compared with this machine's", count, ""),
+        figure("11 drives: numbers other than this machine's", unequal, "", ("==", 0)),
     ]
     path = BUILD / "bench/page.json"
     path.parent.mkdir(exist_ok=True)

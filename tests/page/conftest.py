@@ -1,6 +1,7 @@
 """The page as it is built, in a browser without a window; and the same C for this machine."""
 import ctypes
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,9 @@ from browser import Browser
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("JP_BUILD", ROOT / "build"))
 INDEX = BUILD / "page/index.html"
+
+# The package as a wheel installs it, not its sources.
+sys.path.insert(0, str(BUILD.resolve() / "python/site"))
 
 
 @pytest.fixture(scope="session")
@@ -74,6 +78,9 @@ class Wasm:
     def call(self, name, *arguments):
         return self.browser.ask(f"Number(page.core.exports.{name}({', '.join(map(repr, arguments))}))")
 
+    def doubles(self, name, count):
+        return self.browser.ask(f"[...page.core.doubles(page.core.exports.{name}(), {count})]")
+
     def view(self, scene):
         """Bit by bit: numbers as the 16 digits of their bytes."""
         return self.browser.ask(f"""(() => {{ const view = page.core.view("{scene}"); const cell = new DataView(new ArrayBuffer(8));
@@ -91,17 +98,7 @@ def wasm():
     browser.close()
 
 
-def loaded(name):
-    return Native(BUILD / f"page-native/{name}.so")
-
-
 @pytest.fixture(scope="session")
 def native():
-    """With musl's mathematics, which the page has, too."""
-    return loaded("libpage-musl")
-
-
-@pytest.fixture(scope="session")
-def with_host_libm():
-    """With the mathematics of the programs of this machine."""
-    return loaded("libpage")
+    """The same C for this machine."""
+    return Native(BUILD / "page-native/libpage.so")

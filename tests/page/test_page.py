@@ -170,7 +170,7 @@ def shares_in_colour(planner):
             const first = 4 * (Math.round(y * ratio) * plane.width + Math.round(x * ratio));
             return [...pixels.slice(first, first + 3)]; };
         return ["frontier", "expanded"].map((name, kind) => {
-            const colour = getComputedStyle(document.querySelector(`#legend .${name}`)).backgroundColor.match(/\\d+/g).map(Number);
+            const colour = getComputedStyle(document.querySelector(`.legend .${name}`)).backgroundColor.match(/\\d+/g).map(Number);
             const cells = [...scene.searched.keys()].filter((i) => scene.searched[i] === kind + 1);
             return cells.filter((i) => pixel(i).every((part, at) => Math.abs(part - colour[at]) < 8)).length / cells.length; }); })()""")
 

@@ -1,4 +1,5 @@
-/* Scenes for the patrol robot: what their header promises, over many seeds, by libccd and a flood fill of its own. */
+/* Scenes for the patrol robot: what their header promises, over many seeds, by the distances of patrol_world.h and a
+ * flood fill of its own. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -115,7 +116,7 @@ static void enter(const struct jp_terrain *terrain, bool with_standing)
     }
 }
 
-/* From the robot's true shape to all that, by libccd, m; up to `limit`. */
+/* From the robot's true shape to all that, m; up to `limit`. */
 static double room_at(const struct planar_pose *pose, double limit)
 {
     world.robot.pose = *pose;

@@ -1,4 +1,4 @@
-/* The patrol robot's world: libccd's verdicts and the distances against other ways of reckoning, and the shortcuts of
+/* The patrol robot's world: its touches and distances against other ways of reckoning, and the shortcuts of
  * its steps against measuring at every step; random poses, maps and obstacles. */
 #include <math.h>
 #include <stdio.h>
@@ -147,7 +147,7 @@ static void test_distances_and_touches_at_random_poses(void)
     TEST_ASSERT_TRUE((unsigned long)touches > options.count / 20 && (unsigned long)clear > options.count / 20);
 }
 
-/* Pushed towards a wall or an obstacle in small steps: libccd turns where the distance becomes 0. */
+/* Pushed towards a wall or an obstacle in small steps: the verdict turns where the distance becomes 0. */
 static void test_touch_begins_where_the_distance_ends(void)
 {
     for (int run = 0; run < 40; run++) {

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "sim/base/random.h"
+#include "sim/base/strict_math.h"
 #include "sim/scenes/patrol_world.h"
 #include "tests/support/check.h"
 #include "tests/support/office_map.h"
@@ -60,7 +61,7 @@ static void test_walks_are_as_people_walk(void)
 {
     for (unsigned long run = 0; run < options.count; run++) {
         const struct walker walker = random_walker();
-        const double length = hypot(walker.to.x - walker.from.x, walker.to.y - walker.from.y);
+        const double length = strict_hypot(walker.to.x - walker.from.x, walker.to.y - walker.from.y);
         struct walker_state state;
 
         walker_begin(&walker, &state);

@@ -43,6 +43,8 @@ def test_it_is_the_plan_of_the_program(terrain, run, tmp_path, name, memory):
     folder = run("jp-plan", write_map(tmp_path / "map.json"), "--robot", name, "--memory", memory,
                  f"--start={text_of(START)}", f"--goal={text_of(GOAL)}")
     ours = plan(terrain, Robot(name), START, GOAL, memory=memory << 10)
+    route = next(route for route in json.loads((folder / "summary.json").read_text())["routes"] if route["name"] == "energy")
+    assert (ours.joules, ours.metres, ours.seconds) == (route["energy_j"], route["length_m"], route["time_s"])
     with (folder / "energy_route.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == len(ours.route)
@@ -107,17 +109,17 @@ def test_no_way_is_proved(terrain):
 
 
 def test_a_call_takes_the_time_of_its_search(terrain):
-    """The planner's own work, in C, is more than 10/11 of a call from Python."""
+    """The planner's own work, in C, is more than 10/11 of a call from Python: of the thread's time on a processor."""
     planner = Planner(terrain, Robot("zhang2018"), memory=32 << 20)
     planner.set_task(START, GOAL)
-    inside, begin = 0.0, time.perf_counter()
+    inside, begin = 0.0, time.thread_time()
     from joulepath._native import lib
     while not planner.is_idle:
-        before = time.perf_counter()
+        before = time.thread_time()
         lib.jp_planner_work(planner._planner, 1000)
-        inside += time.perf_counter() - before
+        inside += time.thread_time() - before
     planner.work()
-    assert time.perf_counter() - begin <= 1.1 * inside + 0.002
+    assert time.thread_time() - begin <= 1.1 * inside + 0.002
 
 
 @pytest.mark.parametrize("start, goal, says", [

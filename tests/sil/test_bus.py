@@ -210,7 +210,7 @@ def test_whoever_starts_first(programs, short, in_process, tmp_path, first):
              "plant": lambda bus: programs.plant(short, "--bus", bus, "--output", tmp_path / "out")}
     second = "plant" if first == "ecu" else "ecu"
     started = {first: start[first](f"pty:{line}")}
-    started[first].says(first)
+    started[first].opens(line)
     started[second] = start[second](f"slcan:{line}")
     assert_done(started["plant"])
     assert_same_drive(tmp_path / "out", in_process)
@@ -444,7 +444,7 @@ def test_a_record_that_is_none(tmp_path):
 def test_a_record_of_another_ecu(programs, tmp_path):
     record = tmp_path / "record"
     ecu = programs.ecu(f"pty:{tmp_path / 'line'}", "--retained", record)
-    ecu.says("jp-ecu")
+    ecu.opens(tmp_path / "line")
     assert_one_line_error(run("jp-ecu", "--bus", f"pty:{tmp_path / 'other'}", "--retained", record), record,
                           "another process")
     assert_stopped(ecu)

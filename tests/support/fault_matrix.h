@@ -1,11 +1,14 @@
-/** The matrix of faults (tests/FAULTS.md): every fault of a robot's table in each of its states, on a transport. A cell
- * is printed as a line of JSON that tools/measure/fault_matrix.py collects. */
+/** The matrix of faults (tests/FAULTS.md): every fault of a robot's table in each of its states, on a transport. Cells
+ * go, as lines of JSON, to the file that the environment names in FAULT_CELLS: tools/measure/fault_matrix.py reads
+ * them. */
 #ifndef JOULEPATH_TESTS_SUPPORT_FAULT_MATRIX_H
 #define JOULEPATH_TESTS_SUPPORT_FAULT_MATRIX_H
 
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "unity.h"
@@ -119,15 +122,31 @@ static inline void matrix_describe(char text[MATRIX_TEXT], const char *state, ui
     }
 }
 
+/** One more cell, as in printf, if anybody collects them. */
+static inline void matrix_tell(const char *format, ...)
+{
+    const char *path = getenv("FAULT_CELLS");
+    FILE *cells = path == NULL ? NULL : fopen(path, "a");
+    va_list arguments;
+
+    TEST_ASSERT_TRUE_MESSAGE(path == NULL || cells != NULL, "FAULT_CELLS cannot be written");
+    if (cells != NULL) {
+        va_start(arguments, format);
+        (void)vfprintf(cells, format, arguments);
+        va_end(arguments);
+        (void)fclose(cells);
+    }
+}
+
 /** What was seen must be what is expected. `ticks`: from the fault until the motors were off or braked; 0: they stayed
  * as they were. */
 static inline void matrix_judge(const struct matrix_cell *cell, const char *expected, const char *seen, unsigned ticks)
 {
     char where[MATRIX_TEXT];
 
-    (void)printf("cell {\"robot\": \"%s\", \"transport\": \"%s\", \"fault\": \"%s\", \"state\": \"%s\", "
-                 "\"expected\": \"%s\", \"seen\": \"%s\", \"ticks\": %u}\n",
-                 cell->robot, cell->transport, cell->fault, cell->state, expected, seen, ticks);
+    matrix_tell("{\"robot\": \"%s\", \"transport\": \"%s\", \"fault\": \"%s\", \"state\": \"%s\", "
+                "\"expected\": \"%s\", \"seen\": \"%s\", \"ticks\": %u}\n",
+                cell->robot, cell->transport, cell->fault, cell->state, expected, seen, ticks);
     (void)snprintf(where, sizeof where, "%s, %s, %s", cell->transport, cell->fault, cell->state);
     TEST_ASSERT_EQUAL_STRING_MESSAGE(expected, seen, where);
 }
@@ -136,8 +155,8 @@ static inline void matrix_judge(const struct matrix_cell *cell, const char *expe
 static inline void matrix_impossible(const struct matrix_robot *robot, int chosen, const char *fault,
                                      const char *reason)
 {
-    (void)printf("cell {\"robot\": \"%s\", \"transport\": \"%s\", \"fault\": \"%s\", \"impossible\": \"%s\"}\n",
-                 robot->name, matrix_transports[chosen], fault, reason);
+    matrix_tell("{\"robot\": \"%s\", \"transport\": \"%s\", \"fault\": \"%s\", \"impossible\": \"%s\"}\n", robot->name,
+                matrix_transports[chosen], fault, reason);
 }
 
 static inline void matrix_begin(const struct matrix_robot *robot)

@@ -30,7 +30,8 @@ DRIVING = 2     # JP_STATE.robot_state
 
 
 class LcmTime(SimulatedTime):
-    """A tick begins when jp-lcm, on a line of its own, has dealt with its time, and what it sent to LCM was taken."""
+    """A tick begins when jp-lcm, on a line of its own, has dealt with its time, and what it sent to LCM was taken. jp-lcm
+    opens the channel of its line when it hears LCM."""
 
     def __init__(self, plant_line, gateway_line):
         super().__init__(plant_line)
@@ -95,9 +96,6 @@ class Stage:
     def start(self, name, *command):
         with (self.directory / f"{name}.out").open("wb") as out, (self.directory / f"{name}.err").open("wb") as err:
             self.processes[name] = subprocess.Popen([str(word) for word in command], stdout=out, stderr=err)
-
-    def said(self, name, text, times=1):
-        return (self.directory / f"{name}.out").read_text().count(text) >= times
 
     def has_ended(self, name):
         return self.processes[name].poll() is not None
@@ -177,7 +175,6 @@ def start_all(stage, robot, *listeners):
     for listener in listeners:
         stage.start(*listener)
     wait_for("pseudo-terminals", lambda: plant.exists() and gateway.exists())
-    wait_for("gateway", lambda: stage.said("jp-lcm", "jp-lcm: pty:"))
     wait_for("log", log.exists)
     passing = LcmTime(plant, gateway)
     stage.start("jp-ecu", BUILD / "bin" / "jp-ecu", "--bus", f"slcan:{passing.new_line()}", "--robot", robot)
@@ -185,9 +182,9 @@ def start_all(stage, robot, *listeners):
 
 
 def drive(stage, points):
-    passing = start_all(stage, "gao2018", ("live", sys.executable, "-m", "tools.operate.lcm_report", "--live", URL,
-                                           stage.directory / "live"))
-    wait_for("listener", lambda: stage.said("live", "listening"))
+    heard = stage.directory / "live"
+    passing = start_all(stage, "gao2018", ("live", sys.executable, "-m", "tools.operate.lcm_report", "--live", URL, heard))
+    wait_for("listener", heard.exists)
     link = lcm.LCM(URL)
     send_rubbish(link)
     motion = Motion(link)

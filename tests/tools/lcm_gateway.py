@@ -9,6 +9,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import lcm
@@ -19,13 +20,15 @@ PASSES = 500
 
 
 class Gateway:
-    """jp-lcm that is ready for messages, and its line, which is open."""
+    """jp-lcm, and its line, whose channel it opens when it hears LCM."""
 
     def __init__(self, folder):
         path = folder / "bus"
         self.process = subprocess.Popen([BUILD / "bin" / "jp-lcm", "--bus", f"pty:{path}", "--lcm", URL],
                                         stdout=subprocess.PIPE, text=True)
-        self.said = self.process.stdout.readline()
+        while not path.exists():
+            assert self.process.poll() is None, "jp-lcm has ended"
+            time.sleep(0.01)
         self._line, self.heard = open_line(path)
 
     def let_pass(self):
@@ -40,14 +43,13 @@ class Gateway:
 
     def stop(self):
         self.process.send_signal(signal.SIGINT)
-        status = self.process.wait(PATIENCE)
-        self.said += self.process.stdout.read()
+        self.said, _ = self.process.communicate(timeout=PATIENCE)
         os.set_blocking(self._line, False)
         try:
             self.heard += os.read(self._line, 4096)
         except OSError:
             pass  # the line has hung up, and nothing is left
-        return status
+        return self.process.returncode
 
 
 def send_cut_datagrams(link, sender):

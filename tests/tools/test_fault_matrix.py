@@ -21,8 +21,8 @@ def fixture_matrix(tmp_path, monkeypatch):
 
     def matrix(cells, listed=(), *arguments):
         program = tmp_path / "fault_matrix_robot"
-        lines = "".join(f"cell {json.dumps(cell)}\n" for cell in cells)
-        program.write_text(f"#!/bin/sh\ncat <<'END'\n{lines}END\n", encoding="utf-8")
+        lines = "".join(f"{json.dumps(cell)}\n" for cell in cells)
+        program.write_text(f"#!/bin/sh\ncat >>\"$FAULT_CELLS\" <<'END'\n{lines}END\n", encoding="utf-8")
         program.chmod(0o755)
         (tmp_path / "cells.yaml").write_text(yaml.safe_dump(list(listed)), encoding="utf-8")
         return run_tool("measure.fault_matrix", "--cells", tmp_path / "cells.yaml", "--page", tmp_path / "FAULTS.md",

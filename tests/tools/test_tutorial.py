@@ -60,12 +60,13 @@ def test_its_targets_are_there():
         assert f"\n{command.split()[1]}:" in text
 
 
-def run_bench(tmp_path, monkeypatch, text):
+def run_bench(tmp_path, monkeypatch, text, setup="skip"):
     (tmp_path / "TUTORIAL.md").write_text(text, encoding="utf-8")
     monkeypatch.setattr(bench_tutorial, "TUTORIAL", tmp_path / "TUTORIAL.md")
     monkeypatch.setattr(bench_tutorial, "build_directory", lambda: tmp_path)
     monkeypatch.setattr(bench_tutorial, "copy_sources", lambda folder: [(folder / "sim" / name).mkdir(parents=True)
                                                                         for name in ("robots", "scenarios")])
+    monkeypatch.setenv("JP_SETUP", setup)
     (tmp_path / "tutorial").mkdir()
     return run_tool("measure.bench_tutorial")
 
@@ -95,6 +96,15 @@ def test_steps_are_done_in_a_copy_with_the_files_and_are_timed(tmp_path, monkeyp
     assert [row[0] for row in rows] == ["Look", "Read"] and all(float(row[2]) >= 0 for row in rows)
     figures = read_figures(tmp_path / "tutorial/tutorial.json")
     assert [figure["unit"] for figure in figures] == ["s", "s"] and figures[0]["bound"] == {"op": "<=", "value": 600}
+
+
+def test_the_copy_gets_what_it_needs_first(tmp_path, monkeypatch):
+    (tmp_path / "good.mk").write_text("all: ; @test ! -e .venv\n")
+    monkeypatch.setattr(bench_tutorial, "SETUP", ("needs", "touch installed"))
+    result = run_bench(tmp_path, monkeypatch, STEPS.format(tmp_path / "good.mk"), "")
+    assert result.returncode == 0, result.stderr
+    rows = read_json(tmp_path / "tutorial/tutorial.tables.json")["tutorial"]["rows"]
+    assert [row[:2] for row in rows][0] == ["needs", "`touch installed`"] and len(rows) == 3
 
 
 def test_a_step_that_fails_is_named(tmp_path, monkeypatch):

@@ -8,7 +8,7 @@ PAGE_C    := $(filter-out sim/page/robot_bytes.c,$(wildcard sim/page/*.c))
 PAGE_ROBOTS := $(wildcard $(patsubst %,sim/robots/%.cfg,$(ROBOTS) $(SKID_ROBOTS) $(patsubst src/tables/patrol_%.c,%,$(wildcard src/tables/patrol_*.c))))
 # Of the simulator what the scenes stand on. What nobody calls in it, such as what reads files, is not linked.
 PAGE_SIM  := $(wildcard sim/balancer/*.c sim/skid_steer/*.c sim/four_wheel/*.c sim/scenes/*.c) $(addprefix sim/,$(addsuffix .c, \
-             $(addprefix base/,cell_pack clearance digital error fingerprint random world_fault) \
+             $(addprefix base/,cell_pack clearance digital error fingerprint random strict_math world_fault) \
              $(addprefix missions/,cruise_plan navigation_balancer navigation_sight navigation_skid navigation_task patrol_energy \
                  patrol_mission plan_lattice))) hal/hal.c
 
@@ -58,10 +58,7 @@ page: ## make the page in the browser: open build/page/index.html, or put build/
 
 # ---- The same for this machine, to compare bits with -----------------------------------------------------------------
 
-# musl's mathematics, which wasi-libc has, too: the simulator's sines are then the same.
-MUSL       ?= $(firstword $(wildcard /usr/lib/$(shell uname -m)-linux-musl/libc.a))
-MUSL_MATH   = ^(__)?(sin|cos|sincos|tan|asin|acos|atan|atan2|hypot|log|log1p|exp|expm1|pow|fmod|remainder|remquo|sqrt|cbrt|sinh|cosh|tanh|floor|ceil|trunc|round|rint|nearbyint|lround|llround|lrint|llrint|scalbn|ldexp|frexp|modf|fabs|copysign|fmin|fmax|fdim|rem_pio2|rem_pio2_large|math_[a-z]*|sindf|cosdf|tandf|expo2|exp_data|exp2f_data|log_data|logf_data|pow_data|powf_data|sqrt_data|invtrigl)f?\.lo$$
-NATIVE     := $(BUILD)/page-native
+NATIVE := $(BUILD)/page-native
 
 COMPILER.page-native = $(CC)
 FLAGS.page-native    = $(HOST) -O2 -fPIC -fvisibility=hidden -ffunction-sections -fdata-sections
@@ -79,25 +76,17 @@ $(NATIVE)/page_robots.o: $(WASM)/page_robots.c
 	@mkdir -p $(@D)
 	$Q$(COMPILER.page-native) $(COMMON) $(FLAGS.page-native) -c $< -o $@
 
-$(NATIVE)/musl-math.a: $(MUSL)
-	@rm -rf $(@D)/musl && mkdir -p $(@D)/musl
-	$Qcd $(@D)/musl && ar x $< $$(ar t $< | grep -E '$(MUSL_MATH)') && ar qcs ../$(@F) *.lo
-
 PAGE_NATIVE = $(patsubst %.c,$(NATIVE)/%.o,$(PAGE_C) $(PAGE_SIM) $(CORE) $(FLOAT)) $(NATIVE)/robots.o $(NATIVE)/page_robots.o
-
-$(NATIVE)/libpage-musl.so: $(PAGE_NATIVE) $(NATIVE)/musl-math.a
-	$(call SAY,LD $@)
-	$Q$(COMPILER.page-native) -shared -Wl,--gc-sections -Wl,--no-undefined -Wl,-Bsymbolic $^ -lm -o $@
 
 $(NATIVE)/libpage.so: $(PAGE_NATIVE)
 	$(call SAY,LD $@)
 	$Q$(COMPILER.page-native) -shared -Wl,--gc-sections -Wl,--no-undefined -Wl,-Bsymbolic $^ -lm -o $@
 
-PAGE_LIBRARIES := $(NATIVE)/libpage.so $(NATIVE)/libpage-musl.so
+PAGE_LIBRARY := $(NATIVE)/libpage.so
 
 .PHONY: bench-page
 bench-page: ## measure the page: size, first frame, speed, bits; and make its picture
 	@tools/setup.sh test
-	@$(MAKE) $(PARALLEL) $(PAGE_FILES) $(PAGE_LIBRARIES)
+	@$(MAKE) $(PARALLEL) $(PAGE_FILES) $(PAGE_LIBRARY)
 	$(PYTHON) tests/page/bench_page.py
 	$(PYTHON) tests/page/picture.py sim/page/page.png

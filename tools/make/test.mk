@@ -22,7 +22,7 @@ LOGS.page      := $(LOGS)/pytest/page.xml
 LOGS.tools     := $(LOGS)/pytest/tools.xml
 LOGS.package   := $(LOGS)/pytest/package.xml
 LOGS.firmware  := $(LOGS)/firmware/test_faults.log $(LOGS)/firmware-m7/test_faults.log $(LOGS)/firmware/test_planning.log $(LOGS)/host-gcc/test_main.log $(LOGS)/cortex-m4/test_main.log $(LOGS)/pytest/firmware.xml
-LOGS.gates     := $(patsubst %,$(LOGS)/gates/%.log,symbols firmware growth compile includes private format cppcheck misra tidy coverage)
+LOGS.gates     := $(patsubst %,$(LOGS)/gates/%.log,symbols strict_math firmware growth compile includes private format cppcheck misra tidy coverage)
 LOGS.property  := $(call logs,host-gcc,$(PROPERTY_TESTS))
 LOGS.fault     := $(call logs,host-gcc,$(FAULT_TESTS))
 LOGS.fuzz      := $(call logs,host-fuzz,$(FUZZ_TARGETS))
@@ -146,7 +146,7 @@ $(LOGS)/pytest/%.xml: $(PROGRAMS)
 
 $(LOGS)/pytest/python.xml: $(PYTHON_SITE)/joulepath/__init__.py
 
-$(LOGS)/pytest/page.xml: $(PAGE_FILES) $(PAGE_LIBRARIES)
+$(LOGS)/pytest/page.xml: $(PAGE_FILES) $(PAGE_LIBRARY) $(PYTHON_SITE)/joulepath/__init__.py
 
 # What the examples of the READMEs are linked with.
 $(LOGS)/pytest/tools.xml: $(foreach v,host cortex-m4,$(BUILD)/$v/libcan.a $(call float_library,$v) $(BUILD)/$v/libjoulepath.a)
@@ -230,6 +230,13 @@ export GATE_CFLAGS := -std=c11 $(WARNINGS) -Iinclude -I. -Itests/unity -Itests/t
 $(LOGS)/gates/symbols.log: $(GATE_LIBRARIES)
 	$(call SAY,RUN gate symbols)
 	$Q$(RUN) $@ $(GATE_LIMIT) tests/gates/symbols.sh $(GATE_LIBRARIES)
+
+# What is simulated, and what simulates it.
+STRICT_MATH := $(filter-out %/libsupport.a,$(call host_libraries,host)) $(PROGRAMS:$(BUILD)/bin/%=$(BUILD)/host/sim/programs/%.o)
+
+$(LOGS)/gates/strict_math.log: $(STRICT_MATH)
+	$(call SAY,RUN gate strict_math)
+	$Q$(RUN) $@ $(GATE_LIMIT) tests/gates/strict_math.sh $(STRICT_MATH)
 
 # One core of the five: what grows on the others grows there too. `make numbers` measures all.
 GROWTH_CYCLES := $(filter $(BUILD)/bench/%-$(GROWTH_CORE).json,$(CYCLES))

@@ -2,6 +2,10 @@
 
 Writes figures for tools/measure/figures.py. What a machine that has other work takes is in the time by the clock; the
 processors' time is that of the commands alone. Both are measured: the bar is on the clock.
+
+Planning is timed from a map that is loaded to a route that is read: with the planner's block, set-up, search and route,
+in both. Both have chosen the task on that map before, so that neither pays for what loading the map has left; both plan
+for the first time since. It is the thread's time on a processor, the least of some rounds that take turns.
 """
 import json
 import os
@@ -19,7 +23,7 @@ from tools.design.robot_json import build_directory
 
 README = ROOT / "tools/python/README.md"
 COMMAND = "make bench-python"
-ROUNDS = 2
+ROUNDS = 5
 # The maps that come with the project, and hills with walls: of so many cells a side, by a seed.
 MAPS = ("office", "yard")
 HILLS = {"hills, 100 cells": (100, 1), "hills, 150 cells": (150, 2), "hills, 200 cells": (200, 3)}
@@ -112,6 +116,7 @@ def program_plans(path, robot, folder):
 
 
 def python_plans(joulepath, terrain, robot, start, goal):
+    joulepath.Planner(terrain, robot, memory=MEMORY_KIB << 10).choose_task()
     begin = time.thread_time()
     planner = joulepath.Planner(terrain, robot, memory=MEMORY_KIB << 10)
     planner.set_task(start, goal)
@@ -129,7 +134,7 @@ def compare(joulepath, name, path, robot, folder):
         seconds, found = python_plans(joulepath, joulepath.Terrain.load(path), known, summary["start"],
                                       summary["goal_m"])
         in_python.append(seconds)
-        if abs(found.joules - route["energy_j"]) > 1e-9 * route["energy_j"]:
+        if found.joules != route["energy_j"]:
             raise ToolError(f"{name}, {robot}: {found.joules} J in Python, {route['energy_j']} J of jp-plan")
     return f"{name}, {robot}", min(in_c), min(in_python)
 

@@ -1,8 +1,8 @@
 """Do what tools/TUTORIAL.md says, step by step in a fresh copy of the project, and measure each step.
 
 The files are those that stand there, the commands those that begin its sections; what fails ends it with exit status 2.
-What is installed before the first step is not measured: the copy has the .venv of this one. Writes them
-to build/tutorial as a table and figures.
+The first step installs what the first `make` would: packages that this machine lacks, and a .venv of the copy's own. With
+JP_SETUP=skip it is left out, and the copy has the .venv of this one. Writes them to build/tutorial as a table and figures.
 """
 import json
 import os
@@ -18,6 +18,7 @@ from tools.measure.figure_store import write_tables
 TUTORIAL = ROOT / "tools/TUTORIAL.md"
 COMMAND = "make tutorial"
 HEADINGS = ("step", "command", "takes, s", "of processors, s")
+SETUP = "what it needs", "tools/setup.sh --yes design firmware"
 BAR_S = 600
 
 
@@ -45,12 +46,15 @@ def steps(text):
 
 def measure(text):
     """(title, command, seconds by the clock, of the processors) of each step."""
-    environment = {name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS", "JP_"))}
-    environment["JP_SETUP"] = "skip"
+    environment = {name: value for name, value in os.environ.items()
+                   if not name.startswith(("MAKE", "MFLAGS", "PYTHON", "VIRTUAL_ENV")) and name != "JP_BUILD"}
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "joulepath"
         copy_sources(copy)
-        (copy / ".venv").symlink_to((ROOT / ".venv").resolve())
+        if environment.get("JP_SETUP") == "skip":
+            (copy / ".venv").symlink_to((ROOT / ".venv").resolve())
+        else:
+            yield *SETUP, *timed(SETUP[1], shell=True, cwd=copy, env=environment)
         for name, content in files(text).items():
             (copy / name).write_text(content, encoding="utf-8")
         for title, command in steps(text):
@@ -59,8 +63,10 @@ def measure(text):
 
 def main():
     ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0]).parse_args()
-    rows = [(title, f"`{command}`", f"{clock:.0f}", f"{processors:.0f}")
-            for title, command, clock, processors in measure(read_text(TUTORIAL))]
+    rows = []
+    for title, command, clock, processors in measure(read_text(TUTORIAL)):
+        rows.append((title, f"`{command}`", f"{clock:.0f}", f"{processors:.0f}"))
+        print(f"{title}: {clock:.0f} s", flush=True)
     print_aligned([HEADINGS, *rows])
     folder = build_directory() / "tutorial"
     write_tables(folder / "tutorial.tables.json", {"tutorial": (HEADINGS, rows)})
@@ -70,7 +76,7 @@ def main():
          "bound": {"op": "<=", "value": BAR_S}, "command": COMMAND},
         {"name": "tutorial, from a robot file to the firmware's drive: time of processors", "value": total[1], "unit": "s",
          "bound": None, "command": COMMAND}], indent=1) + "\n")
-    print(f"\nwrote {shown_path(folder / 'bench_tutorial.json')}")
+    print(f"\nwrote {shown_path(folder / 'tutorial.json')}")
     return 0
 
 

@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
 """The matrix of faults: every fault in every state of every robot on every transport, as the page tests/FAULTS.md.
 
-Table-driven tests (tests/fault/fault_matrix_*.c) print their cells: what is expected and what was seen. Other cells stand in
+Table-driven tests (tests/fault/fault_matrix_*.c) tell their cells: what is expected and what was seen. Other cells stand in
 tests/proof/fault_cells.yaml with the test that has them, or why there is no such fault. A fault of enum jp_fault that
 a robot has on no line, a line with an empty cell, and a test that does not exist are errors. With --check the page is
 compared, not written, and empty cells are only told.
 """
 import itertools
 import json
+import os
 import re
 import subprocess
 import sys
+import tempfile
 from collections import Counter
 from pathlib import Path
 
@@ -44,14 +46,13 @@ def fault_names():
 
 # ---- Cells -----------------------------------------------------------------------------------------------------------
 
-def printed_cells(program):
+def tested_cells(program):
     """Of a table-driven test, with its name."""
-    result = subprocess.run([program], capture_output=True, text=True, check=False)
-    if result.returncode != 0:
-        raise ToolError(f"{program}: fails; make test SUITE=fault tells why")
-    for line in result.stdout.splitlines():
-        if line.startswith("cell "):
-            yield json.loads(line.removeprefix("cell ")) | {"test": f"tests/fault/{program.name}.c"}
+    with tempfile.NamedTemporaryFile() as cells:
+        result = subprocess.run([program], capture_output=True, check=False, env={**os.environ, "FAULT_CELLS": cells.name})
+        if result.returncode != 0:
+            raise ToolError(f"{program}: fails; make test SUITE=fault tells why")
+        return [json.loads(line) | {"test": f"tests/fault/{program.name}.c"} for line in cells]
 
 
 def has_test(name):
@@ -190,7 +191,7 @@ def arguments():
 
 def main():
     options = arguments()
-    cells = [cell for program in options.programs for cell in printed_cells(program)] + list(listed_cells(options.cells))
+    cells = [cell for program in options.programs for cell in tested_cells(program)] + list(listed_cells(options.cells))
     table = table_of(cells)
     problems = list(problems_of(table))
     for problem in problems:

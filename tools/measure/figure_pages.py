@@ -51,6 +51,7 @@ SECTIONS = (
     Section("Python package", "From a checkout to the first joules by the commands of its README, in a fresh environment, downloads "
             "among them. Planning: office, yard and three maps of hills and walls, for zhang2018 and burger; the planner's "
             "set-up, the search and the route, of the processor.", r"python_\w+"),
+    Section("Tutorial", "Each step of [TUTORIAL.md](../../tools/TUTORIAL.md) in a fresh copy with a `.venv` of its own.", r"tutorial"),
     Section("Navigator", "courier24 in closed loop on random maps of 8 to 19 m a side, 8 to 20 % of it blocked, where 3 to 10 "
             "boxes stand that the map does not show; it sees 2.5 m far, where nothing is in between. Touched: its body's "
             "true place; reachable: by a planner that knows the world. On the maps of others, cells of 0.1 m, those of Moving "

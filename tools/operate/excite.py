@@ -129,10 +129,10 @@ def simulate(program, robot_file, waypoints, folder, seed=1, options=()):
                                     capture_output=True, text=True, check=False)
         except OSError as error:
             raise ToolError(f"{program}: {error.strerror}; build it with `make`") from None
-        reason = (result.stderr.strip().splitlines() or ["no reason given"])[-1]
-        if result.returncode == 0 or "come to a stand" not in reason:
+        if result.returncode == 0:
             break
     if result.returncode != 0:
+        reason = (result.stderr.strip().splitlines() or ["no reason given"])[-1]
         raise ToolError(f"the simulated robot does not drive the route: {reason}")
     rows = csv.DictReader(io.StringIO(read_text(Path(folder) / "log_cruise.csv")))
     columns = np.array([[float(row[name]) for name in ("t_s", "x_m", "y_m", "heading_rad")] for row in rows]).T

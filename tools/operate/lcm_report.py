@@ -163,9 +163,13 @@ def open_lcm(url, take, option="--live"):
     return link
 
 
-def listen(listener, url):
-    """Until the route is done, or until a key stops it."""
+def listen(listener, url, directory):
+    """Until the route is done, or until a key stops it. The folder of the results is there when it hears."""
     link = open_lcm(url, listener.take)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ToolError(f"{directory}: {error.strerror}") from None
     print(f"listening on {url}", flush=True)
     heard, state = time.monotonic(), None
     while not listener.is_over():
@@ -190,7 +194,7 @@ def main():
         replay(listener.take, arguments.log)
     else:
         with contextlib.suppress(KeyboardInterrupt):
-            listen(listener, arguments.live)
+            listen(listener, arguments.live, arguments.directory)
     if listener.bad:
         print(f"{listener.bad} messages were not of their type and are left out", file=sys.stderr)
     listener.record.write(arguments.directory)

@@ -56,7 +56,7 @@ class BalancerScene {
     below.replaceChildren(
       section("Joules against time", this.front, make("div", { className: "row" }, make("label", { className: "row" }, "Within", this.within), "s",
         button("Drive within", "drive-within", () => this.driveWithin())),
-        make("p", { className: "hint" }, "Blue: what the route takes at each cruise, foretold from where it starts. Orange: this drive.")),
+        legend(["line", "plan", "what the route takes at each cruise, foretold from where it starts"], ["line", "driven", "this drive"])),
       section("Legs", this.table, (this.noLegs = make("p", { className: "hint" }, "Drive sends it: then each leg's joules are here, planned and driven."))));
   }
 

@@ -50,8 +50,9 @@ class PatrolScene {
         make("p", { className: "hint" }, "Drag somebody: they walk straight to where you let go, or to the wall before it, at 1.2 m/s, and do not look where the robot is. Adding one begins the drive anew.")),
       section("Drive", this.table));
     below.replaceChildren(
-      section("Joules", this.chart.canvas, make("p", { className: "hint" }, "Orange: this drive. Blue: its forecast, dashed its interval of 95 %.")),
-      section("Colours", make("p", { className: "hint" }, "Dark: walls on its map. Red: what its map does not show. Purple: people. Blue: its path. Green: the elastic band that it drives. Dots: what its laser sees. Orange: where it was.")));
+      section("Joules", this.chart.canvas, legend(["line", "driven", "this drive"], ["line", "plan", "its forecast"], ["dashed", "plan", "the forecast's interval of 95 %"])),
+      section("On the map", legend(["area", "wall", "walls on its map"], ["area", "unknown", "what its map does not show"], ["area", "person", "people"],
+        ["line", "plan", "its path"], ["line", "goal", "the elastic band that it drives"], ["dotted", "driven", "what its laser sees"], ["line", "driven", "where it was"])));
   }
 
   /* ---- Drive ---- */
@@ -279,10 +280,10 @@ class PatrolScene {
       picture.height = height;
       const brush = picture.getContext("2d");
       const image = brush.createImageData(width, height);
-      const wall = colourOf("wall");
+      const colours = [null, colourOf("wall"), colourOf("unknown")];
       this.cells.forEach((cell, i) => {
         const at = 4 * ((height - 1 - Math.floor(i / width)) * width + (i % width));
-        image.data.set(cell === 1 ? [...wall, 255] : cell === 2 ? [220, 40, 40, 255] : [0, 0, 0, 0], at);
+        image.data.set(colours[cell] ? [...colours[cell], 255] : [0, 0, 0, 0], at);
       });
       brush.putImageData(image, 0, 0);
     }

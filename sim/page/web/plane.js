@@ -144,7 +144,7 @@ class Chart {
     const { context, width, height } = prepareCanvas(this.canvas);
     const points = series.flatMap((one) => one.points);
     const most = (index) => (points.length > 0 ? Math.max(1e-9, ...points.map((point) => point[index])) * 1.06 : 1);
-    const frame = { left: 52, right: width - 10, top: 22, bottom: height - 36 };
+    const frame = { left: 52, right: width - 10, top: 30, bottom: height - 36 };
     const x = (value) => frame.left + ((frame.right - frame.left) * value) / most(0);
     const y = (value) => frame.bottom - ((frame.bottom - frame.top) * value) / most(1);
     this.axes(context, frame, most(0), most(1), x, y);

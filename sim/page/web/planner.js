@@ -127,19 +127,20 @@ class PlannerScene {
       section("Robot and memory",
         choice("Robot", "robot", this.robots.map((name, i) => [i, name]), this.robot, (value) => { this.robot = Number(value); this.reset(); }),
         choice("Planner's block", "memory", [4, 8, 16, 64, 256, 1024, 4096].map((kib) => [kib, `${kib} KiB`]), this.memory, (value) => { this.memory = Number(value); this.reset(); })),
-      section("Search", this.legend(), this.table, make("p", { className: "hint" }, "Blue: the planner's route. Green: the course that the robot makes of it. Orange: where it was. Grey: the route before the last change.")));
+      section("Search", this.legend(), this.table));
     below.replaceChildren(
       section("Joules of the best route against the search", this.chart.canvas),
       section("The same on the command line", make("pre", { id: "command" }), make("p", { className: "hint" }, "With the map that Save the map gives you, before anything is changed on the way.")));
     this.choose(this.tool);
   }
 
-  /** What the shades of the search mean, and whether it is slowed down to be watched. */
+  /** What the shades and lines mean, and whether it is slowed down to be watched. */
   legend() {
-    const swatch = (name, text) => make("li", {}, make("span", { className: `swatch ${name}` }), text);
     const watch = make("input", { type: "checkbox", id: "watch", checked: this.isWatched, onchange: () => { this.isWatched = watch.checked; } });
     return make("div", {},
-      make("ul", { className: "legend", id: "legend" }, swatch("frontier", "at the frontier: waits to be expanded"), swatch("expanded", "expanded: its cost to the goal is known")),
+      legend(["area", "frontier", "at the frontier: waits to be expanded"], ["area", "expanded", "expanded: its cost to the goal is known"],
+        ["line", "plan", "the planner's route"], ["dashed", "goal", "the course that the robot makes of it"], ["line", "driven", "where it was"],
+        ["dotted", "faint", "the route before the last change"]),
       make("label", { className: "row" }, watch, "Slow while it searches"));
   }
 

@@ -21,6 +21,12 @@ function section(title, ...children) {
   return make("section", {}, make("h2", {}, title), ...children);
 }
 
+/** What is drawn how: [kind, name of its colour, text], where a kind is area, line, dashed or dotted. */
+function legend(...entries) {
+  return make("ul", { className: "legend" }, ...entries.map(([kind, colour, text]) =>
+    make("li", {}, make("span", { className: `swatch ${kind} ${colour}`, style: `color: var(--${colour})` }), text)));
+}
+
 function choice(label, id, options, value, onchange) {
   const select = make("select", { id, onchange: () => onchange(select.value) },
     ...options.map(([key, text]) => make("option", { value: key }, text)));

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any, Literal, TypedDict
 
 import numpy
 from numpy.typing import NDArray
 
-from ._call import Error, array_over, check, encoded, record, text
+from ._call import Error, array_over, check, record
 from ._native import ffi, lib
 from .robot import Lattice, Robot
 from .terrain import Terrain
@@ -38,37 +39,37 @@ class Plan:
     joules      energy of the route; metres: its length; seconds: its duration
     cost        of the route in the planner's units: J/16 where energy is what costs
     bound       no route of the lattice costs less than this one's cost over `bound`; None: nothing is proved
-    route       a row a motion, the first is the start: x and y, cells, heading, 0 to 15, length_m, joules and seconds
-                so far
-    xy_m        where these are, in the map's frame
     climb_m     sum of all rises
     """
 
     answer: Answer
     cost: int
     bound: float | None
-    route: NDArray[numpy.void]
     joules: float
     metres: float
     seconds: float
     climb_m: float
-    xy_m: NDArray[numpy.float64]
 
-    def __init__(self, planner: Planner, answer: Answer) -> None:
+    def __init__(self, planner: Planner) -> None:
         """Of Planner.work()."""
-        plan = lib.jp_planner_plan(planner._planner)
         route = ffi.new("struct plan_route *")
-        check(lib.plan_route_read(planner._planner, planner._lattice._lattice, planner._terrain._terrain,
-                                  planner._start, route))
-        route = ffi.gc(route, lib.plan_route_free)
-        self.answer = answer
+        check(lib.planning_read(planner._planning, route))
+        self._route, self._terrain = ffi.gc(route, lib.plan_route_free), planner._terrain
+        plan, end = lib.jp_planner_plan(planner._planner), route.steps[route.count - 1]
+        self.answer = Answer(planner._planning.answer)
         self.cost = plan.cost
         self.bound = None if plan.bound in (0, lib.JP_BOUND_NONE) else plan.bound / 256
-        self.route = array_over(route.steps, route.count, _STEP, route)
-        self.joules, self.metres, self.seconds = (float(self.route[-1][name])
-                                                  for name in ("joules", "length_m", "seconds"))
-        self.climb_m = route.climb
-        self.xy_m = _in_map_frame(self.route, planner._terrain)
+        self.joules, self.metres, self.seconds, self.climb_m = end.energy, end.length, end.time, route.climb
+
+    @cached_property
+    def route(self) -> NDArray[numpy.void]:
+        """A row a motion, the first is the start: x and y, cells, heading, 0 to 15, length_m, joules and seconds so far."""
+        return array_over(self._route.steps, self._route.count, _STEP, self._route)
+
+    @cached_property
+    def xy_m(self) -> NDArray[numpy.float64]:
+        """Where these are, in the map's frame."""
+        return _in_map_frame(self.route, self._terrain)
 
     @property
     def arrives(self) -> bool:
@@ -110,48 +111,25 @@ class Planner:
         self._lattice = Lattice(robot) if lattice is None else lattice
         if self._lattice.robot_name != robot.name:
             raise Error(f"lattice: is of {self._lattice.robot_name}, not of {robot.name}; make one for that robot")
-        check(lib.plan_lattice_fits(encoded(terrain.name or "map"), terrain._map, self._lattice._lattice))
-        self._block = numpy.zeros((memory + 7) // 8, dtype=numpy.uint64)
-        self._planner = ffi.new("struct jp_planner *")
-        self._start: Any = None
-        self._begin(cost, epsilon)
-
-    def _begin(self, cost: Cost, epsilon: Sequence[float]) -> None:
-        levels = [round(256 * level) for level in epsilon]
-        if not 0 < len(levels) <= lib.JP_EPSILON_LEVELS:
-            raise ValueError(f"epsilon: {len(levels)} values; give 1 to {lib.JP_EPSILON_LEVELS}")
-        config = ffi.new("struct jp_planner_config *", {"lattice": self._lattice._lattice, "cost": COSTS[cost]})
-        for i, level in enumerate(levels):
-            config.epsilon[i] = level
-        field = ffi.new("const char **")
-        least = lib.jp_planner_size(ffi.addressof(self._terrain._terrain, "config"))
-        if self._block.nbytes < least:
-            raise Error(f"memory: {self._block.nbytes} B are too little for this map; give at least {least} B")
-        if lib.jp_planner_init(self._planner, config, self._terrain._terrain, ffi.from_buffer(self._block),
-                               self._block.nbytes, field) != lib.JP_OK:
-            raise Error(f"planner: {text(field[0]) if field[0] else 'an argument'} is out of range")
+        if not 0 < len(epsilon) <= lib.JP_EPSILON_LEVELS:
+            raise ValueError(f"epsilon: {len(epsilon)} values; give 1 to {lib.JP_EPSILON_LEVELS}")
+        self._planning = ffi.gc(ffi.new("struct planning *"), lib.planning_free)
+        self._planner = ffi.addressof(self._planning, "planner")
+        self._has_task = False
+        check(lib.planning_begin(self._planning, terrain._map, self._lattice._lattice, COSTS[cost], tuple(epsilon),
+                                 len(epsilon), memory))
 
     def set_task(self, start: Sequence[float], goal: Sequence[float]) -> None:
         """start: x, y in m of the map's frame and a heading in degrees; goal: the same, or without a heading."""
-        task = ffi.new("struct plan_task *")
-        check(lib.plan_task_set(self._terrain._map, self._lattice._lattice, _place("start", start, (3,)),
-                                _place("goal", goal, (2, 3)), task))
-        self._accept("start", lib.jp_planner_set_start(self._planner, ffi.addressof(task, "start")))
-        self._accept("goal", lib.jp_planner_set_goal(self._planner, ffi.addressof(task, "goal")))
-        self._start = ffi.new("struct jp_lattice_pose *", task.start)
+        _count("start", start, (3,))
+        _count("goal", goal, (2, 3))
+        check(lib.planning_set_task(self._planning, tuple(start), tuple(goal), len(goal)))
+        self._has_task = True
 
     def choose_task(self) -> None:
         """Two places far apart on the map, every time the same."""
-        task = ffi.new("struct plan_task *")
-        check(lib.plan_task_choose(self._terrain._map, self._lattice._lattice, task))
-        self._accept("start", lib.jp_planner_set_start(self._planner, ffi.addressof(task, "start")))
-        self._accept("goal", lib.jp_planner_set_goal(self._planner, ffi.addressof(task, "goal")))
-        self._start = ffi.new("struct jp_lattice_pose *", task.start)
-
-    @staticmethod
-    def _accept(what: str, status: int) -> None:
-        if status != lib.JP_OK:
-            raise Error(f"{what}: the robot does not fit there: obstacles or unknown ground; give another place")
+        check(lib.planning_choose_task(self._planning))
+        self._has_task = True
 
     def set_cell(self, x: int, y: int, cell: int) -> None:
         """Changes a cell of the map, by its column and row."""
@@ -174,12 +152,12 @@ class Planner:
 
     def work(self, expansions: int | None = None) -> Plan:
         """Searches on, by so many expansions or until nothing better can be found, and says what is known."""
-        if self._start is None:
+        if not self._has_task:
             raise Error("planner: there is no task; call set_task() before")
-        answer = lib.jp_planner_work(self._planner, 1000 if expansions is None else expansions)
-        while expansions is None and not self.is_idle:
-            answer = lib.jp_planner_work(self._planner, 1000)
-        return Plan(self, Answer(answer))
+        is_idle = lib.planning_work(self._planning, 1000 if expansions is None else expansions)
+        while expansions is None and not is_idle:
+            is_idle = lib.planning_work(self._planning, 1000)
+        return Plan(self)
 
     @property
     def is_idle(self) -> bool:
@@ -195,9 +173,13 @@ class Planner:
                       search_bytes=counts.search_bytes)
 
 
-def _place(what: str, place: Sequence[float], lengths: tuple[int, ...]) -> Any:
-    if len(place) not in lengths:
+def _count(what: str, place: Sequence[float], counts: tuple[int, ...]) -> None:
+    if len(place) not in counts:
         raise ValueError(f"{what}: {len(place)} numbers; give x and y in m and a heading in degrees")
+
+
+def _place(what: str, place: Sequence[float], lengths: tuple[int, ...]) -> Any:
+    _count(what, place, lengths)
     x, y, *heading = place
     return ffi.new("struct plan_place *", {"x": x, "y": y, "heading_deg": heading[0] if heading else 0,
                                            "has_heading": bool(heading)})

@@ -8,7 +8,7 @@ from cffi import FFI
 HEADERS = ("joulepath/planner.h", "joulepath/status.h", "sim/files/lattice_file.h", "sim/lattice/lattice_robot.h",
            "sim/missions/mission_report.h",
            "sim/balancer/rig.h", "joulepath/learner.h", "sim/missions/plan_lattice.h", "sim/missions/plan_route.h", "tools/python/native/errors.h",
-           "tools/python/native/drives.h", "tools/python/native/map_arrays.h")
+           "tools/python/native/drives.h", "tools/python/native/map_arrays.h", "tools/python/native/planning.h")
 
 
 def main():

@@ -1,19 +1,14 @@
-/* What the page asks in place of libccd, whether two shapes touch, beside libccd and beside their distance. */
+/* Whether the patrol robot touches a box or a disc, beside libccd and beside the axes that part them. */
 #include <ccd/ccd.h>
 #include <math.h>
 #include <stdio.h>
 
 #include "sim/base/planar.h"
 #include "sim/base/random.h"
+#include "sim/scenes/patrol_world.h"
+#include "tests/support/office_map.h"
 #include "tests/support/options.h"
 #include "unity.h"
-
-/* libccd has the names, too. */
-#define ccdMPRIntersect    page_intersect
-#define ccdFirstDirDefault page_first_direction
-#include "sim/page/page_touch.c"
-#undef ccdMPRIntersect
-#undef ccdFirstDirDefault
 
 /* Nearer than this, m, rounding may decide. */
 #define TIE 1e-9
@@ -21,7 +16,15 @@
 /* libccd ends its search within so much of a face, m. */
 #define TOLERANCE 2e-4
 
+/* Shapes that a robot meets. They stand, along the map's axes. */
+#define MET 10
+
+static const struct planar_point middle = {12, 7}; /* of the map, m */
+
 static struct options options = {.count = 200000, .seed = 22};
+static struct office office;
+static struct patrol_world world;
+static struct random noise;
 
 struct prism {
     struct planar_shape shape;
@@ -96,44 +99,61 @@ static double gap(const struct planar_shape *box, const struct planar_shape *oth
     return hypot(fmax(fabs(there.x) - box->half_length, 0), fmax(fabs(there.y) - box->half_width, 0)) - other->radius;
 }
 
-static struct planar_shape draw(struct random *random, bool is_box)
+/* Within reach of each other, mostly. */
+static struct planar_shape draw(bool is_box)
 {
     struct planar_shape shape = {.kind = is_box ? PLANAR_BOX : PLANAR_DISC};
 
-    shape.pose.x = random_uniform(random, -1.5, 1.5);
-    shape.pose.y = random_uniform(random, -1.5, 1.5);
-    shape.pose.heading = random_uniform(random, -4, 4);
-    shape.radius = random_uniform(random, 0.05, 0.8);
-    shape.half_length = random_uniform(random, 0.025, 1);
-    shape.half_width = random_uniform(random, 0.025, 0.6);
+    shape.pose.x = middle.x + random_uniform(&noise, -1.5, 1.5);
+    shape.pose.y = middle.y + random_uniform(&noise, -1.5, 1.5);
+    shape.pose.heading = random_uniform(&noise, -4, 4);
+    shape.radius = random_uniform(&noise, 0.05, 0.8);
+    shape.half_length = random_uniform(&noise, 0.025, 1);
+    shape.half_width = random_uniform(&noise, 0.025, 0.6);
     return shape;
+}
+
+/* Whether the robot says that it touches the shape, which is alone with it. */
+static bool says_touch(const struct planar_shape *shape)
+{
+    const struct patrol_obstacle obstacle = {
+        .shape = *shape, .waypoints = {{shape->pose.x, shape->pose.y}}, .waypoint_count = 1};
+
+    world.obstacle_count = 0;
+    TEST_ASSERT_TRUE(patrol_world_add(&world, &obstacle));
+    return patrol_world_touch(&world) == PATROL_TOUCH_OBSTACLE;
 }
 
 void setUp(void)
 {
+    random_init(&noise, options.seed);
+    TEST_ASSERT_TRUE(office_empty(&office));
+    TEST_ASSERT_TRUE(patrol_world_init(&world, &office.terrain, 1, 1, &(struct planar_pose){middle.x, middle.y, 0}));
 }
 
 void tearDown(void)
 {
+    patrol_world_free(&world);
 }
 
-static void test_shapes_touch_where_their_distance_and_libccd_say_so(void)
+static void test_shapes_touch_where_libccd_and_an_axis_say_so(void)
 {
     const ccd_t ccd = question();
-    struct random random;
     unsigned long touching = 0;
 
-    random_init(&random, options.seed);
-    for (unsigned long i = 0; i < options.count; i++) {
-        const bool is_box = random_uniform(&random, 0, 1) < 0.5;
-        const struct prism first = {draw(&random, true), 1};
-        const struct prism second = {draw(&random, is_box), 0.75};
-        const double apart = gap(&first.shape, &second.shape);
-        const bool touches = page_intersect(&first, &second, &ccd) != 0;
+    for (unsigned long i = 0; i < options.count; i += MET) {
+        const struct prism robot = {draw(true), 1};
+        world.robot = robot.shape;
+        for (int k = 0; k < MET; k++) {
+            struct prism other = {draw(k % 2 == 0), 0.75};
+            other.shape.pose.heading = 0;
+            const double apart = gap(&robot.shape, &other.shape);
+            const bool touches = says_touch(&other.shape);
 
-        TEST_ASSERT_TRUE(fabs(apart) < TIE || touches == (apart < 0));
-        TEST_ASSERT_TRUE(fabs(apart) < TOLERANCE || touches == (ccdMPRIntersect(&first, &second, &ccd) != 0));
-        touching += touches;
+            TEST_ASSERT_TRUE(fabs(apart) < TIE || touches == (apart < 0));
+            TEST_ASSERT_TRUE(fabs(apart) < TOLERANCE || touches == (ccdMPRIntersect(&robot, &other, &ccd) != 0));
+            touching += touches;
+        }
     }
     TEST_ASSERT_TRUE(touching > options.count / 5 && touching < options.count * 4 / 5);
 }
