@@ -199,15 +199,15 @@ static void store_turns(struct jp_pose_field *field, const struct jp_cell_poses 
 static void relax_step(struct jp_pose_field *field, const struct jp_cell_poses *cell, unsigned heading)
 {
     const struct jp_pose_step *step = &field->step[heading];
-    const size_t end = (size_t)((int32_t)cell->cell + step->outward);
+    const int32_t end = (int32_t)cell->cell + step->outward;
     const jp_cost here = cell->value[heading];
-    const jp_cost there = pose_value(&field->wave, end, heading);
+    const jp_cost there = pose_value(&field->wave, (size_t)end, heading);
 
     if (here + step->least < there) {
         const jp_cost value = here + step_cost(field, cell->x, cell->y, heading);
 
         if (value < there) {
-            pose_lower(&field->wave, end, cell->y + step->end.dy, heading, value);
+            pose_lower(&field->wave, (size_t)end, cell->y + step->end.dy, heading, value);
         }
     }
 }

@@ -132,8 +132,8 @@ static uint32_t due_headings(struct jp_pose_wave *wave, size_t cell)
 
         if (value <= wave->threshold) {
             due |= UINT32_C(1) << heading;
-        } else if (value < *least) {
-            *least = value;
+        } else {
+            *least = value < *least ? value : *least;
         }
         wave->looks++;
     }
