@@ -149,6 +149,20 @@ static void test_uphill_is_dearer_than_downhill_both_ways(void)
     TEST_ASSERT_TRUE(step_cost(-8) < step_cost(8));
 }
 
+/* Northward, both ways: twice, where one of the cells has a cost of 1. */
+static void test_cells_with_costs_multiply(void)
+{
+    map = (struct jp_terrain_config){
+        .width = WIDTH, .height = HEIGHT, .resolution = lattice->resolution, .has_costs = true};
+    make_level_map(&map);
+    (void)jp_terrain_set_cost(&terrain, 6, 2, 1);
+    init();
+    start(JP_POSE_FIELD_FROM_ROOT, 6, 2, 1U << 4, LIMIT);
+    TEST_ASSERT_EQUAL_UINT32(2 * step_cost(0), jp_pose_field_cost(&field, 6, 3, 4));
+    start(JP_POSE_FIELD_TO_ROOT, 6, 3, 1U << 4, LIMIT);
+    TEST_ASSERT_EQUAL_UINT32(2 * step_cost(0), jp_pose_field_cost(&field, 6, 2, 4));
+}
+
 static void test_turns_are_charged_where_it_stands(void)
 {
     struct jp_turns turns;

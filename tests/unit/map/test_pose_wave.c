@@ -182,6 +182,20 @@ static void test_looks_are_counted(void)
     TEST_ASSERT_EQUAL_UINT32(looks / 32U, spent);
 }
 
+/* Cells without fresh poses are looked at, too: here all of the map but a column, by a sweep. */
+static void test_looks_for_cells_are_counted(void)
+{
+    unsigned poses = CELLS;
+
+    for (int32_t y = 0; y < HEIGHT; y++) {
+        lower(WIDTH - 1, y, 0, 1);
+    }
+    while (jp_pose_wave_next(&wave, &poses, &group) == JP_POSE_WAVE_CELL) {
+        deal(group.headings);
+    }
+    TEST_ASSERT_EQUAL_UINT32(CELLS - CELLS / 32U, poses);
+}
+
 /* None of the poses that are due stays behind. */
 static void expect_all_dealt(void)
 {
