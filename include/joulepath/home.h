@@ -145,7 +145,7 @@ size_t jp_home_size(const struct jp_terrain_config *config);
 
 /** Prepares a home for a navigator that stands, and begins to look for the way there. JP_ERR_CONFIG: *field names the
  *  first member that is null or out of range. JP_ERR_ARGUMENT: a pointer is null. Failures of the block as
- *  jp_pose_field_init(). JP_ERR_OUTSIDE also: home is off the map. JP_ERR_BLOCKED: the robot cannot be there. Work:
+ *  jp_pose_field_init(). JP_ERR_OUTSIDE: home is off the map. JP_ERR_BLOCKED: the robot cannot be there. Work:
  * that of jp_pose_field_start(). */
 enum jp_status jp_home_init(struct jp_home *home, const struct jp_home_config *config, const char **field);
 

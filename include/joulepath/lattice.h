@@ -166,8 +166,8 @@ static inline jp_cost jp_cost_add(jp_cost a, jp_cost b)
 }
 
 /**
- * Checks tables: indices, orders, costs above 0 of every primitive on every map, and that the reach of each heading
- * holds all cells that its primitives sweep.
+ * Checks tables: indices, orders, costs above 0 of every primitive on every map, that the reach of each heading holds
+ * all cells that its primitives sweep, and that these sweep the cells where they begin and end.
  * JP_ERR_CONFIG: *field names the first member that is wrong. JP_ERR_ARGUMENT: a pointer is null.
  * Work: all tables.
  */

@@ -5,7 +5,7 @@
  * robot turns round, which is charged, too. With what a way of a cost takes (jp_home_expect()) and what is left in the
  * battery it says which cells can be reached and returned from: those up to the cost of jp_home_farthest().
  *
- * It grows in slices. Memory: twice that of a pose field, 9.2 MiB for 300 × 300 cells. Nothing here is for ISRs.
+ * It grows in slices. Memory: twice that of a pose field, 9 MiB for 300 × 300 cells. Nothing here is for ISRs.
  */
 #ifndef JOULEPATH_RETURN_MAP_H
 #define JOULEPATH_RETURN_MAP_H

@@ -62,10 +62,6 @@ static inline uint32_t jp_wavefront_value_max(const struct jp_wavefront *wave)
  *  wave will stop a quarter beyond the target's value. Constant time. */
 void jp_wavefront_start(struct jp_wavefront *wave, uint32_t step, uint16_t target_x, uint16_t target_y);
 
-/** The same without a target: the wave will stop at values beyond `horizon`, which is below jp_wavefront_value_max().
- *  Constant time. */
-void jp_wavefront_start_up_to(struct jp_wavefront *wave, uint32_t step, uint32_t horizon);
-
 static inline bool jp_wavefront_is_clear(const struct jp_wavefront *wave)
 {
     return wave->clear_row == wave->height;
@@ -85,17 +81,6 @@ static inline uint32_t jp_wavefront_value(const struct jp_wavefront *wave, int32
 /** Lowers the value of a cell, which will be handed out. Constant time. */
 void jp_wavefront_lower(struct jp_wavefront *wave, int32_t x, int32_t y, uint32_t value);
 
-/** Lowers the value of a cell that is dealt with at once: it will not be handed out for it. Constant time. */
-static inline void jp_wavefront_settle(struct jp_wavefront *wave, int32_t x, int32_t y, uint32_t value)
-{
-    const size_t cell = (size_t)y * wave->width + (size_t)x;
-
-    wave->values[cell] = (uint16_t)(value & UINT16_MAX);
-    if (wave->high != NULL) {
-        wave->high[cell] = (uint8_t)(value >> 16U);
-    }
-}
-
 /** Marks a cell to be handed out again, if it has been reached. Constant time. */
 void jp_wavefront_touch(struct jp_wavefront *wave, int32_t x, int32_t y);
 
@@ -107,13 +92,6 @@ enum jp_wave_step { JP_WAVE_CELL, JP_WAVE_WAITING, JP_WAVE_STOPPED };
 /** Hands out a cell whose neighbours are to be relaxed; or waits for more budget; or has stopped. *cells counts down
  * for a cell, and for every 128 looks in vain. */
 enum jp_wave_step jp_wavefront_next(struct jp_wavefront *wave, unsigned *cells, int32_t *x, int32_t *y);
-
-/** Cells of a group. */
-#define JP_WAVE_GROUP 16
-
-/** Of the group of columns in which a cell is that was just handed out, those that would be handed out, too, and it
- *  itself: bits, lowest first. They count as handed out. Work: JP_WAVE_GROUP looks. */
-uint32_t jp_wavefront_take_group(struct jp_wavefront *wave, int32_t x, int32_t y);
 
 /** True when the wave stopped because nothing was left to reach: a cell that is not reached cannot be. */
 bool jp_wavefront_is_exhausted(const struct jp_wavefront *wave);

@@ -207,15 +207,21 @@ bool jp_lattice_can_stand(const struct jp_lattice *lattice, const struct jp_terr
     return is_clear(lattice, terrain, lattice->footprint[heading], x, y);
 }
 
-bool jp_lattice_core_holds(const struct jp_lattice *lattice, int32_t dx, int32_t dy)
+/** True when cell (dx, dy) is one of them. */
+static bool hold(const struct jp_lattice *lattice, struct jp_cells cells, int32_t dx, int32_t dy)
 {
-    for (unsigned i = 0; i < lattice->core.span_count; i++) {
-        const struct jp_span *span = &lattice->spans[lattice->core.first_span + i];
+    for (unsigned i = 0; i < cells.span_count; i++) {
+        const struct jp_span *span = &lattice->spans[cells.first_span + i];
         if (span->y == dy && span->first <= dx && span->last >= dx) {
             return true;
         }
     }
     return false;
+}
+
+bool jp_lattice_core_holds(const struct jp_lattice *lattice, int32_t dx, int32_t dy)
+{
+    return hold(lattice, lattice->core, dx, dy);
 }
 
 bool jp_lattice_is_open(const struct jp_lattice *lattice, const struct jp_terrain *terrain, int32_t x, int32_t y)
@@ -390,6 +396,20 @@ static bool is_reach(const struct jp_lattice *lattice, unsigned heading)
     return true;
 }
 
+/** True when all primitives sweep the cells where they begin and end, so that none leads off the map. */
+static bool are_ends_swept(const struct jp_lattice *lattice)
+{
+    for (unsigned i = 0; i < lattice->first_from[JP_HEADINGS]; i++) {
+        const struct jp_primitive *primitive = &lattice->primitives[i];
+        const struct jp_cells swept = {primitive->first_span, primitive->span_count};
+
+        if (!hold(lattice, swept, 0, 0) || !hold(lattice, swept, primitive->dx, primitive->dy)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool are_spans(const struct jp_lattice *lattice)
 {
     for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
@@ -397,7 +417,7 @@ static bool are_spans(const struct jp_lattice *lattice)
             return false;
         }
     }
-    return lattice->core.span_count > 0U;
+    return lattice->core.span_count > 0U && are_ends_swept(lattice);
 }
 
 enum jp_status jp_lattice_check(const struct jp_lattice *lattice, const char **field)

@@ -75,12 +75,6 @@ void jp_wavefront_start(struct jp_wavefront *wave, uint32_t step, uint16_t targe
     wave->is_backward = true; /* the first sweep goes forward */
 }
 
-void jp_wavefront_start_up_to(struct jp_wavefront *wave, uint32_t step, uint32_t horizon)
-{
-    jp_wavefront_start(wave, step, 0, 0);
-    wave->horizon = horizon;
-}
-
 void jp_wavefront_clear(struct jp_wavefront *wave)
 {
     const uint16_t left = (uint16_t)(wave->height - wave->clear_row);
@@ -264,25 +258,6 @@ enum jp_wave_step jp_wavefront_next(struct jp_wavefront *wave, unsigned *cells, 
         }
     }
     return JP_WAVE_WAITING;
-}
-
-uint32_t jp_wavefront_take_group(struct jp_wavefront *wave, int32_t x, int32_t y)
-{
-    const uint32_t column = (uint32_t)x;
-    const uint32_t first = column - column % (uint32_t)JP_WAVE_GROUP;
-    const uint32_t shift = first % (uint32_t)WORD_BITS;
-    uint32_t *word = &wave->dirty[(size_t)y * words_per_row(wave->width) + column / WORD_BITS];
-    uint32_t taken = UINT32_C(1) << (column - first);
-
-    for (uint32_t rest = (*word >> shift) & ((UINT32_C(1) << JP_WAVE_GROUP) - 1U); rest != 0U; rest &= rest - 1U) {
-        const uint32_t bit = JP_TRAILING_ZEROS(rest);
-
-        if (jp_wavefront_value(wave, (int32_t)(first + bit), y) <= wave->threshold) {
-            taken |= UINT32_C(1) << bit;
-        }
-    }
-    *word &= ~(taken << shift);
-    return taken;
 }
 
 bool jp_wavefront_is_exhausted(const struct jp_wavefront *wave)

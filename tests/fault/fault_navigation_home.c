@@ -10,7 +10,7 @@
 
 enum { SIDE = 10, BLOCK_BYTES = 2400, LEGS_MAX = 4, STREAM_MAX = 48 };
 
-#define FIELD_BYTES (SIDE * SIDE * JP_HEADINGS * 3 + SIDE * JP_HEADINGS / 32 * SIDE * 4 + SIDE * JP_HEADINGS * 4)
+#define FIELD_BYTES (SIDE * SIDE * (JP_HEADINGS * 3 + 4) + SIDE * 4)
 #define CONFIDENCE  (JP_Q31_MAX / 1000 * 999)
 
 static uint64_t map_memory[SIDE];

@@ -14,10 +14,7 @@
 #include "tests/support/random.h"
 #include "unity.h"
 
-enum {
-    FIELD_BYTES = SIDE * SIDE * JP_HEADINGS * 3 + SIDE * JP_HEADINGS / 32 * SIDE * 4 + SIDE * JP_HEADINGS * 4,
-    CALLS_MAX = 60000
-};
+enum { FIELD_BYTES = SIDE * SIDE * (JP_HEADINGS * 3 + 4) + SIDE * 4, CALLS_MAX = 60000 };
 
 #define CONFIDENCE ((jp_q31)2145336164) /* 0.999 */
 

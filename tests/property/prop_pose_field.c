@@ -20,8 +20,7 @@ enum {
 };
 enum {
     LIMIT = JP_COST_MAX - 2,
-    BLOCK_BYTES = (POSES * 3 + 7) / 8 * 8 + ((WIDTH * JP_HEADINGS + 31) / 32 * HEIGHT * 4 + 7) / 8 * 8 +
-                  (WIDTH + 31) / 32 * HEIGHT * JP_HEADINGS * 4
+    BLOCK_BYTES = (HEIGHT * 4 + 7) / 8 * 8 + (POSES * 3 + CELLS * 2 + 7) / 8 * 8 + (CELLS * 2 + 7) / 8 * 8
 };
 
 static struct options options = {.count = 60, .seed = 2027};

@@ -56,7 +56,7 @@ MODULES = {
     "pilot": r"src/navigate/pilot",
     "pilot of skid steer": r"src/navigate/skid_(pilot|run)",
     "navigator": r"src/(navigate/(navigator(_\w+)?|course|balancer_vehicle)|map/(capsule|line_cost|lattice_way|unit_step|reach))",
-    "home": r"src/(navigate/home\w*|map/(pose_field|return_map))",
+    "home": r"src/(navigate/home\w*|map/(pose_\w+|barred_steps|return_map))",
     "navigator's skid steer": r"src/navigate/skid_vehicle",
     "end-to-end protection": r"src/base/e2e",
     "waypoints of a route": r"src/(navigate/waypoint\w*|map/clearance)",

@@ -157,6 +157,24 @@ static void test_check_of_the_order_by_end(void)
     expect_bad("by_end");
 }
 
+/* A step along an axis that sweeps only where it begins, or only where it ends. */
+static void test_check_of_ends_that_are_not_swept(void)
+{
+    static const struct jp_span spans[] = {{0, 0, 0}, {0, 1, 1}, {0, 0, 1}};
+
+    for (uint16_t i = 0; i < 2U; i++) {
+        copy.spans = spans;
+        for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+            copy.reach[heading] = (struct jp_cells){2, 1};
+        }
+        for (unsigned primitive = 0; primitive < count_of(&copy); primitive++) {
+            primitives[primitive].first_span = i;
+            primitives[primitive].span_count = 1;
+        }
+        expect_bad("spans");
+    }
+}
+
 static void test_check_of_spans(void)
 {
     copy.spans = NULL;

@@ -325,6 +325,30 @@ static void test_looking_for_cells_takes_budget(void)
     TEST_ASSERT_TRUE(waited > 0);
 }
 
+/* A row of them is paid for by several calls. */
+static void test_looks_beyond_the_budget_are_paid_later(void)
+{
+    enum { LONG = 280 };
+    static uint64_t row[(LONG * 2 + 40) / 8 + 1];
+    int32_t x = 0;
+    int32_t y = 0;
+    unsigned cells = 1;
+    unsigned calls = 1;
+
+    TEST_ASSERT_TRUE(jp_wavefront_size(LONG, 1, JP_WAVE_2_BYTES) <= sizeof row);
+    jp_wavefront_init(&wave, LONG, 1, JP_WAVE_2_BYTES, row);
+    start(1, LONG - 1, 0);
+    for (int32_t i = 1; i < LONG; i++) {
+        jp_wavefront_lower(&wave, i, 0, 1000);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_WAVE_CELL, jp_wavefront_next(&wave, &cells, &x, &y));
+    for (cells = 1; jp_wavefront_next(&wave, &cells, &x, &y) == JP_WAVE_WAITING; cells = 1) {
+        TEST_ASSERT_EQUAL_UINT32(0, cells);
+        calls++;
+    }
+    TEST_ASSERT_EQUAL_UINT32(LONG / 128 + 1, calls);
+}
+
 /* Through a door that opens later. */
 static void test_touched_cells_are_handed_out_again(void)
 {
