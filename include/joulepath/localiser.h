@@ -107,6 +107,8 @@ struct jp_localiser_view {
     uint16_t explained; /**< end at the first wall on their way */
     uint16_t behind;    /**< pass through a wall and end at another: a door that the map shows closed is open */
     uint16_t beyond;    /**< pass through a wall and end where none is */
+    uint16_t empty;     /**< beams that see nothing; looked at where the map explains next to none of the others */
+    uint16_t open;      /**< of these, beams on whose way the map shows no wall either */
 };
 
 /** Signed distances of the cells' middles from the nearest edge of a wall, below 0 inside. Private. */
@@ -121,6 +123,7 @@ struct jp_wall_field {
 struct jp_localiser_cloud {
     struct jp_plane_point *points;
     int32_t count;
+    int32_t stride; /* every so many-th end is one of them */
     struct jp_plane_point sensor;
 };
 

@@ -66,10 +66,14 @@ struct jp_patrol_mission_internal {
     bool is_searching; /**< the grid planner is at work */
     uint8_t trial;     /**< of the clearances to try */
     struct jp_plane_pose target;
-    uint16_t waited;        /**< cycles without a free path */
-    bool is_detour;         /**< a path around where people walk is looked for */
-    float detour_clearance; /**< of it from there, m */
-    float detour_due;       /**< after so much standing for people, s */
+    uint16_t waited;            /**< cycles without a free path */
+    uint8_t tries;              /**< to get on from about the same place */
+    uint8_t forgets;            /**< of what scans have marked */
+    bool is_closed;             /**< the last search found no path */
+    struct jp_plane_pose tried; /**< where the first of the tries was */
+    bool is_detour;             /**< a path around where people walk is looked for */
+    float detour_clearance;     /**< of it from there, m */
+    float detour_due;           /**< after so much standing for people, s */
     bool is_watch_due;
 };
 
