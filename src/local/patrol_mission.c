@@ -271,6 +271,27 @@ static float margin_of(const struct jp_patrol_mission *mission)
     return margins[mission->internal.trial % MARGINS] + more;
 }
 
+/* With the least clearance the path may begin beside the robot, no farther than it is long ahead: something that it
+ * has come too near to must not keep it where it is. */
+static bool begin_beside(struct jp_patrol_mission *mission, const struct jp_grid_cell *start,
+                         const struct jp_grid_cell *goal)
+{
+    const int32_t rings = (int32_t)(mission->config.patrol.teb.footprint.front / jp_patrol_cell(mission->config.map));
+    bool has_begun = false;
+
+    for (int32_t ring = 1; ring <= rings && !has_begun; ring++) {
+        const int32_t side = 2 * ring + 1;
+
+        for (int32_t i = 0; i < side * side && !has_begun; i++) {
+            const struct jp_grid_cell cell = {(int16_t)(start->x + i % side - ring),
+                                              (int16_t)(start->y + i / side - ring)};
+
+            has_begun = jp_grid_planner_start(&mission->internal.grid, &cell, goal) == JP_OK;
+        }
+    }
+    return has_begun;
+}
+
 static bool begin_search(struct jp_patrol_mission *mission)
 {
     const struct jp_grid_planner_config config = grid_config(&mission->config, margin_of(mission));
@@ -280,7 +301,8 @@ static bool begin_search(struct jp_patrol_mission *mission)
 
     return jp_grid_planner_init(&mission->internal.grid, &config, &mission->internal.marked,
                                 mission->internal.grid_block, mission->internal.grid_size, &field) == JP_OK &&
-           jp_grid_planner_start(&mission->internal.grid, &start, &goal) == JP_OK;
+           (jp_grid_planner_start(&mission->internal.grid, &start, &goal) == JP_OK ||
+            (mission->internal.trial + 1U == 2U * MARGINS && begin_beside(mission, &start, &goal)));
 }
 
 static bool smooth(struct jp_patrol_mission *mission, uint16_t *count)

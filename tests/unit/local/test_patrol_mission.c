@@ -324,6 +324,22 @@ static void test_a_robot_off_its_path_gets_one_from_where_it_is(void)
     TEST_ASSERT_TRUE(mission.path[0].y > JP_Q16(6.9));
 }
 
+/* It has come nearer to a shelf than any path keeps. */
+static void test_a_path_may_begin_beside_a_robot_that_stands_too_near(void)
+{
+    occupy(0.5f, 4.3f, 3.0f, 4.6f);
+    init();
+    start(6.05f, 4.05f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_UNDER_WAY, mission.state);
+    TEST_ASSERT_TRUE(mission.path[0].y < JP_Q16(4.0) && mission.path[0].y > JP_Q16(3.6));
+    drive_until(JP_MISSION_ARRIVED);
+    occupy(0.5f, 3.5f, 3.0f, 3.8f);
+    robot = (struct jp_plane_pose){1.5f, 4.05f, 0.0f};
+    init();
+    start(6.05f, 4.05f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_GIVEN_UP, mission.state);
+}
+
 /* Who gets on may be blocked as often as there are things in its way. */
 static void test_tries_begin_anew_where_it_has_got_on(void)
 {
