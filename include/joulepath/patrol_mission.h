@@ -10,9 +10,10 @@
  * far as there is room, twice the standard deviation of the robot's position comes on top of it. What the scanner sees
  * is marked on a copy of the map. Where there is no room to turn at the goal, the robot turns at a place before it and
  * drives straight in; when scans show this only during the drive, it stops and plans again. A patrol that waits or has
- * stopped because its path is blocked gets another path after a while, up to six times. A robot that was lost and has
- * found itself gets one from there, over the map as it was given: marks were made elsewhere. One that has stood for
- * people for a while gets one around where they have walked lately, if that is longer by no more than it has waited.
+ * stopped because its path is blocked gets another path after a while, up to six times about the same place; marks that
+ * leave none are forgotten, three times at most. A robot that was lost and has found itself gets one from there, over
+ * the map as it was given: marks were made elsewhere. One that has stood for people for a while gets one around where
+ * they have walked lately, if that is longer by no more than it has waited.
  *
  * One call of jp_patrol_mission_cycle() in place of jp_patrol_cycle(), and in the time between them
  * jp_patrol_mission_work() while the state is PLANNING. Not for ISRs. Single-precision floating point: part of
