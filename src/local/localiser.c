@@ -36,6 +36,9 @@
 #define UNSEARCHED 0.7f
 #define SEARCHED   0.45f
 
+/* A place is a rival of another one that explains up to this share of the beams more. */
+#define RIVAL 0.1f
+
 /* Square of the standard deviations by which a match may be off the prediction. */
 #define SURPRISE_MAX 25.0f
 
@@ -237,7 +240,8 @@ static int32_t score_of(const struct attempt *attempt)
     return (int32_t)view->explained - (int32_t)view->behind - (int32_t)view->beyond;
 }
 
-/* From the prediction, and from a place that a search found: within the region that it was to search. */
+/* From the prediction, and from a place that a search found, within the region that it was to search: where the
+ * prediction is a rival of it, such as along a plain wall before which something stands, the prediction stays. */
 static void match(struct jp_localiser *localiser, struct jp_localiser_prior *prior, struct attempt *best)
 {
     struct jp_localiser_internal *const self = &localiser->internal;
@@ -249,7 +253,8 @@ static void match(struct jp_localiser *localiser, struct jp_localiser_prior *pri
 
         prior->start = jp_plane_compose(&self->search.places[0].pose, &self->since);
         attempt(localiser, prior, &other);
-        if (other.fit.surprise < square(REGION) && score_of(&other) > score_of(best)) {
+        if (other.fit.surprise < square(REGION) &&
+            (float)score_of(&other) > (float)score_of(best) + RIVAL * (float)other.view.beams) {
             best->fit = other.fit;
             best->view = other.view;
         }
