@@ -87,6 +87,14 @@ enum jp_status jp_four_wheel_energy_check(const struct jp_four_wheel_energy_mode
 enum jp_status jp_four_wheel_energy_add(const struct jp_four_wheel_energy_model *model,
                                         struct jp_four_wheel_drive *drive, const struct jp_four_wheel_piece *piece);
 
+/**
+ * Energy of a metre along the heading at a steady speed, above 0, on a grade; J, not the model's unit. The model must
+ * have passed its check. JP_ERR_ARGUMENT: a null pointer, a speed outside 1/256…8 m/s or a grade outside ±1.
+ * JP_ERR_OVERFLOW: beyond ±32 767 J; *joules is saturated. Work: as jp_four_wheel_energy_add().
+ */
+enum jp_status jp_four_wheel_energy_metre(const struct jp_four_wheel_energy_model *model, jp_q24 speed, jp_q24 grade,
+                                          jp_q16 *joules);
+
 /** The model of a robot that differs by factors, Q16, above 0, in the order of JP_FOUR_WHEEL_ROLLING…; members are
  *  limited to their ranges. */
 void jp_four_wheel_energy_scale(const struct jp_four_wheel_energy_model *model,

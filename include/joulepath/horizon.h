@@ -7,8 +7,13 @@
  *   u(t) = c v + Σ mᵢ(t),   m(T) = Φ(T) (m(0) + j Δ)
  *
  * with Φ diagonal (a real mode decays, a pair of modes oscillates and decays) and j what a step of the reference adds.
- * Each m is a voltage. Energy that is the integral of a quadratic form, such as ∫ u² dt, has a storage function
- * S(m, v) = mᵀ P m + v hᵀ m: what m costs until it has decayed. So
+ * Real modes whose decays are nearly equal would have huge amplitudes that cancel. They are kept as sums: a mode that
+ * is passed on is in its successor, too, as pᵢ of each of its own unit, and Φ has an entry beside its diagonal,
+ *
+ *   mᵢ₊₁(T) = sᵢ₊₁ mᵢ₊₁ + cᵢ,   cᵢ = pᵢ (cᵢ₋₁ + (sᵢ − sᵢ₊₁) mᵢ),   s = 2^−(decay T)
+ *
+ * where cᵢ₋₁ is 0 if nothing is passed on to mode i. Each m is a voltage. Energy that is the integral of a quadratic
+ * form, such as ∫ u² dt, has a storage function S(m, v) = mᵀ P m + v hᵀ m: what m costs until it has decayed. So
  *
  *   E(T) = E_settled(T) + S(m(0), v) + Σ Δ gᵀ m(0) − S(m(T), v)
  *
@@ -35,7 +40,7 @@
 extern "C" {
 #endif
 
-#define JP_AXIS_MODES 8
+#define JP_AXIS_MODES 9
 
 /** How one mode moves. The two of a pair follow each other: mᵢ' = −λ mᵢ − ω mᵢ₊₁, mᵢ₊₁' = ω mᵢ − λ mᵢ₊₁. */
 struct jp_mode {
@@ -48,7 +53,8 @@ struct jp_mode {
 struct jp_axis_modes {
     uint32_t count; /**< modes used, at most JP_AXIS_MODES */
     struct jp_mode mode[JP_AXIS_MODES];
-    jp_q16 step[2][JP_AXIS_MODES];                            /**< j, V per unit step: of v or w, and of σ; ±512 */
+    jp_q16 passed[JP_AXIS_MODES];  /**< p; 0: not passed on; else up to 4 096, and this mode and the next are real */
+    jp_q16 step[2][JP_AXIS_MODES]; /**< j, V per unit step: of v or w, and of σ; ±512 */
     int32_t storage[JP_AXIS_MODES * (JP_AXIS_MODES + 1) / 2]; /**< P, J/V² in Q4.28: the upper triangle of
                                                                    count × count by rows, without gaps, what is off the
                                                                    diagonal doubled */

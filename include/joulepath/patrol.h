@@ -71,6 +71,7 @@ enum {
 /** What ways to turn differ by. */
 struct jp_patrol_price {
     float second;   /**< power of the electronics, and what a second less is worth, W; above 0 */
+    float worth;    /**< the latter alone, W; 0…1 024 */
     float turning;  /**< of turning in place, J/rad; 0 or more */
     float steering; /**< of steering all wheels at a stand, without the time that it takes, J/rad; 0 or more */
 };

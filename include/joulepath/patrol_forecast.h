@@ -24,11 +24,13 @@ struct jp_patrol_plan {
     const struct jp_point *path; /**< 2 points or more */
     uint16_t path_count;
     struct jp_patrol_goal goal;
-    uint32_t tick_rate; /**< of the wheels' control, 1/s: jp_four_wheel_tick() */
+    uint32_t tick_rate;              /**< of the wheels' control, 1/s: jp_four_wheel_tick() */
+    const struct jp_terrain *ground; /**< the map of the path, whose elevations make slopes; null: level */
 };
 
 /** Adds a leg to a drive on a model, and its duration, s, to *duration. The configuration must have passed
- *  jp_patrol_init(). JP_ERR_ARGUMENT: a null pointer, too few points, or no tick rate. Work: points of the path. */
+ *  jp_patrol_init(). JP_ERR_ARGUMENT: a null pointer, too few points, or no tick rate. Work: points of the path; with
+ *  elevations two heights of the map for each. */
 enum jp_status jp_patrol_plan_energy(const struct jp_patrol_config *config,
                                      const struct jp_four_wheel_energy_model *model, const struct jp_patrol_plan *plan,
                                      struct jp_four_wheel_drive *drive, float *duration);

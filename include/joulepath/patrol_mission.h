@@ -6,14 +6,16 @@
  *                     │            │
  *                     └────────────┴──────▶ GIVEN_UP
  *
- * Paths are the any-angle planner's (grid_planner.h) with the widest clearance of a few, smoothed (path_spline.h); as
- * far as there is room, twice the standard deviation of the robot's position comes on top of it. What the scanner sees
- * is marked on a copy of the map. Where there is no room to turn at the goal, the robot turns at a place before it and
- * drives straight in; when scans show this only during the drive, it stops and plans again. A patrol that waits or has
- * stopped because its path is blocked gets another path after a while, up to six times about the same place; marks that
- * leave none are forgotten, three times at most. A robot that was lost and has found itself gets one from there, over
- * the map as it was given: marks were made elsewhere. One that has stood for people for a while gets one around where
- * they have walked lately, if that is longer by no more than it has waited.
+ * Paths are the any-angle planner's (grid_planner.h), smoothed (path_spline.h): those of the least price, in which a
+ * metre costs what it takes the robot to drive, with time and clearance at the prices of the band (teb.h), and which
+ * keep 0.10 m where there is such a path, else 0.05 m or 0.02 m; or by length, the shortest with the widest clearance
+ * that has one, from 0.15 m on. As far as there is room, twice the standard deviation of the robot's position comes on
+ * top of it. What the scanner sees is marked on a copy of the map. Where there is no room to turn at the goal, the
+ * robot turns at a place before it and drives straight in; when scans show this only during the drive, it stops and
+ * plans again. A patrol that waits or has stopped because its path is blocked gets another path after a while, up to
+ * six times about the same place; marks that leave none are forgotten, three times at most. A robot that was lost and
+ * has found itself gets one from there, over the map as it was given: marks were made elsewhere. One that has stood for
+ * people for a while gets one around where they have walked lately, if that is longer by no more than it has waited.
  *
  * One call of jp_patrol_mission_cycle() in place of jp_patrol_cycle(), and in the time between them
  * jp_patrol_mission_work() while the state is PLANNING. Not for ISRs. Single-precision floating point: part of
@@ -41,9 +43,11 @@ struct jp_patrol_mission_config {
     struct jp_patrol_config
         patrol; /**< its footprint with 0.15 m around it at most 60 cells from the centre to a corner */
     const struct jp_terrain *map; /**< what is known before; must outlive the mission and not change */
-    bool turns_before_goal;       /**< where it cannot turn at the goal; only with turns_in_place */
-    uint16_t points_max;          /**< of a path, which has one every 0.1 m; 2 or more */
-    uint16_t turns_max;           /**< turning points of the grid planner's path, its ends included; 2 or more */
+    const struct jp_four_wheel_energy_model *energy; /**< by which paths are priced; null: they are planned by length.
+                                                          Read for each path: it may be learned meanwhile */
+    bool turns_before_goal;                          /**< where it cannot turn at the goal; only with turns_in_place */
+    uint16_t points_max;                             /**< of a path, which has one every 0.1 m; 2 or more */
+    uint16_t turns_max; /**< turning points of the grid planner's path, its ends included; 2 or more */
 };
 
 /** Destination of the present path. Private. */
@@ -86,7 +90,8 @@ struct jp_patrol_mission {
     unsigned replans;                   /**< paths since the start that were given because the one before was blocked */
     const struct jp_point *path;        /**< the last that was found, smoothed; where it leads is the patrol's matter */
     uint16_t path_count;                /**< its points; 0 before the first */
-    struct jp_grid_counts counts;       /**< of the search that found it */
+    float price; /**< of it before it was smoothed, J; 0: it was planned by length, or leads straight on */
+    struct jp_grid_counts counts; /**< of the search that found it */
     struct jp_patrol_mission_internal internal;
 };
 
@@ -95,8 +100,8 @@ struct jp_patrol_mission {
 size_t jp_patrol_mission_size(const struct jp_patrol_mission_config *config);
 
 /** Checks the configuration and prepares in `size` bytes of the caller; the patrol then wants a pose. JP_ERR_CONFIG:
- *  *field names the first field out of range, without "patrol.". JP_ERR_MEMORY, JP_ERR_ALIGNMENT: the block.
- *  JP_ERR_ARGUMENT: a null pointer. Work: the cells of the map. */
+ *  *field names the first field out of range, without "patrol."; "energy": no robot has such prices. JP_ERR_MEMORY,
+ * JP_ERR_ALIGNMENT: the block. JP_ERR_ARGUMENT: a null pointer. Work: the cells of the map. */
 enum jp_status jp_patrol_mission_init(struct jp_patrol_mission *mission, const struct jp_patrol_mission_config *config,
                                       void *block, size_t size, const char **field);
 

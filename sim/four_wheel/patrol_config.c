@@ -146,6 +146,7 @@ static struct jp_patrol_price price(const struct four_wheel_file *robot)
 
     return (struct jp_patrol_price){
         .second = (float)second_price(robot),
+        .worth = (float)robot->turning.second_w,
         .turning = (float)(metre_price(robot) * arm),
         .steering = (float)(JP_WHEELS * wheel),
     };

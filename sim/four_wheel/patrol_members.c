@@ -71,6 +71,7 @@ const struct patrol_member patrol_members[] = {
     PATROL(turns_in_place, PATROL_FLAG, "1"),
     PATROL(strategy, PATROL_WHOLE, "1"),
     PATROL(price.second, PATROL_FLOAT, "W"),
+    PATROL(price.worth, PATROL_FLOAT, "W"),
     PATROL(price.turning, PATROL_FLOAT, "J/rad"),
     PATROL(price.steering, PATROL_FLOAT, "J/rad"),
     PATROL(glide_clearance, PATROL_FLOAT, "m"),

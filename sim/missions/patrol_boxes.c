@@ -7,6 +7,7 @@
 #include "sim/base/error.h"
 #include "sim/base/random.h"
 #include "sim/four_wheel/patrol_config.h"
+#include "sim/four_wheel/patrol_robots.h"
 
 /* Of a box, and how far its middle is from the path at most, m. */
 #define SIDE_MIN 0.2
@@ -78,8 +79,10 @@ static bool plan(struct jp_patrol_mission *mission, const struct patrol_scene *s
 
 bool patrol_boxes_hide(struct patrol_scene *scene, const struct four_wheel_file *robot, unsigned boxes, uint64_t seed)
 {
+    const struct patrol_robot_entry *const entry = patrol_robot_built_in(robot->name);
     const struct jp_patrol_mission_config config = {.patrol = patrol_config(robot, PATROL_IMPROVED),
                                                     .map = &scene->map,
+                                                    .energy = entry != NULL ? entry->energy : NULL,
                                                     .turns_before_goal = true,
                                                     .points_max = POINTS_MAX,
                                                     .turns_max = TURNS_MAX};

@@ -269,7 +269,8 @@ static void begin_leg(struct patrol_mission *m)
                                        .path = m->navigator.path,
                                        .path_count = m->navigator.path_count,
                                        .goal = {*goal_of(m), false},
-                                       .tick_rate = FOUR_WHEEL_RATE_HZ};
+                                       .tick_rate = FOUR_WHEEL_RATE_HZ,
+                                       .ground = &m->task->scene->map};
 
     patrol_energy_begin(&m->energy, leg_index(m), &m->navigator.config.patrol, &leg, m->time);
 }
@@ -470,10 +471,21 @@ static bool set_up_pursuit(struct patrol_mission *m)
             jp_pure_pursuit_follow(&m->pursuit, m->navigator.path, m->navigator.path_count) == JP_OK);
 }
 
-static struct jp_patrol_mission_config navigator_config(const struct patrol_task *task)
+/* What it learns changes its prices. */
+static const struct jp_four_wheel_energy_model *prices_of(const struct patrol_mission *m)
 {
+    const bool is_by_length =
+        m->task->plans_by_length || m->task->method != PATROL_IMPROVED || m->energy.built_in == NULL;
+
+    return is_by_length ? NULL : &m->energy.learner.model;
+}
+
+static struct jp_patrol_mission_config navigator_config(const struct patrol_mission *m)
+{
+    const struct patrol_task *const task = m->task;
     struct jp_patrol_mission_config config = {.patrol = patrol_config(task->robot, task->method),
                                               .map = &task->scene->map,
+                                              .energy = prices_of(m),
                                               .turns_before_goal = task->method == PATROL_IMPROVED,
                                               .points_max = POINTS_MAX,
                                               .turns_max = TURNS_MAX};
@@ -502,6 +514,7 @@ static bool set_up_controller(struct patrol_mission *m, const struct jp_patrol_m
 static void begin(struct patrol_mission *m)
 {
     m->result->path_length = path_length(&m->navigator);
+    m->result->path_price = (double)m->navigator.price;
     m->result->planner = m->navigator.counts;
     begin_leg(m);
 }
@@ -509,11 +522,14 @@ static void begin(struct patrol_mission *m)
 /* False without memory. */
 static bool set_up(struct patrol_mission *m)
 {
-    const struct jp_patrol_mission_config config = navigator_config(m->task);
+    if (!set_up_localiser(m) || !set_up_world(m)) {
+        return false;
+    }
+    const struct jp_patrol_mission_config config = navigator_config(m);
     const size_t size = jp_patrol_mission_size(&config);
 
     m->block = malloc(size);
-    if (m->block == NULL || !set_up_localiser(m) || !set_up_world(m)) {
+    if (m->block == NULL) {
         return false;
     }
     m->is_under_way = set_up_controller(m, &config, size);

@@ -49,6 +49,8 @@ struct patrol_task {
     const struct patrol_scene *scene;
     enum patrol_method method;
     bool turns_by_fixed_angle; /**< the improved band turns by the paper's rule, not by cost */
+    bool plans_by_length;      /**< the improved method, as the others, not by joules; so does a robot whose
+                                    energy is not identified */
     uint64_t seed;             /**< of the noise */
     struct patrol_faults faults;
     /** Places that the robot goes round between after the scene's goal, beginning with the first; at each its pose is
@@ -102,6 +104,7 @@ struct patrol_result {
     double heading_error;  /**< rad */
     double odometry_error; /**< of the pose that the robot believes, at the end, m */
     double path_length;
+    double path_price; /**< by which it was planned, J; 0: by length */
     unsigned replans;
     struct jp_grid_counts planner;
     struct jp_patrol_counts counts;

@@ -113,6 +113,9 @@ static void print_path(const struct patrol_run *run)
     (void)printf("path: %zu turning points, %.2f m smoothed; any-angle A*: %u expansions, %u edge nodes, %.1f KiB\n",
                  turning_points(run), run->result.path_length, (unsigned)planner->expansions,
                  (unsigned)planner->edge_nodes, planner->bytes / 1024.0);
+    if (run->result.path_price > 0) {
+        (void)printf("path: priced at %.1f J, with its time and clearance\n", run->result.path_price);
+    }
 }
 
 void patrol_report_print(const struct patrol_report *report)
@@ -197,9 +200,10 @@ static json_t *json_planner(const struct patrol_run *run)
 {
     const struct jp_grid_counts *planner = &run->result.planner;
 
-    return json_pack("{s:I, s:I, s:I, s:I, s:f}", "turning_points", (json_int_t)turning_points(run), "expansions",
+    return json_pack("{s:I, s:I, s:I, s:I, s:f, s:f}", "turning_points", (json_int_t)turning_points(run), "expansions",
                      (json_int_t)planner->expansions, "edge_nodes", (json_int_t)planner->edge_nodes, "bytes",
-                     (json_int_t)planner->bytes, "path_length_m", run->result.path_length);
+                     (json_int_t)planner->bytes, "path_length_m", run->result.path_length, "path_price_j",
+                     run->result.path_price);
 }
 
 static json_t *json_counts(const struct patrol_result *result)

@@ -19,6 +19,7 @@ struct patrol_report {
     uint64_t seed;        /**< of the noise */
     struct patrol_faults faults;
     bool turns_by_fixed_angle; /**< the improved band, by the paper's rule */
+    bool plans_by_length;      /**< likewise */
     struct patrol_run runs[PATROL_METHODS];
     size_t run_count;
 };

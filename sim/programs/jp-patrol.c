@@ -35,6 +35,7 @@ enum {
     OPTION_JUMP,
     OPTION_SLIP,
     OPTION_STRATEGY,
+    OPTION_PLAN,
     OPTION_PATIENCE,
     OPTION_BOXES
 };
@@ -50,6 +51,7 @@ struct arguments {
     bool has_goal;
     struct patrol_faults faults;
     bool turns_by_fixed_angle;
+    bool plans_by_length;
     const char *bus; /* NULL: no ECU, but the core itself */
     unsigned patience;
     unsigned boxes; /* that the map does not show */
@@ -149,6 +151,14 @@ static void parse_strategy(struct arguments *arguments, const char *text, struct
     }
 }
 
+static void parse_plan(struct arguments *arguments, const char *text, struct argp_state *state)
+{
+    arguments->plans_by_length = strcmp(text, "length") == 0;
+    if (!arguments->plans_by_length && strcmp(text, "joules") != 0) {
+        command_line_refuse(state, "--plan %s: must be joules or length", text);
+    }
+}
+
 static void parse_patience(struct arguments *arguments, const char *text, struct argp_state *state)
 {
     double seconds = 0;
@@ -182,7 +192,7 @@ static void check_bus(const struct arguments *arguments, struct argp_state *stat
         command_line_refuse(state, "--method %s: the ECU drives by the improved band; leave it out with --bus",
                             patrol_method_names[arguments->method]);
     }
-    if (has_faults(arguments) || arguments->turns_by_fixed_angle) {
+    if (has_faults(arguments) || arguments->turns_by_fixed_angle || arguments->plans_by_length) {
         command_line_refuse(state, "--bus takes neither faults nor another strategy; leave them out");
     }
 }
@@ -235,6 +245,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case OPTION_SLIP:
         arguments->faults.slip = true;
+        return 0;
+    case OPTION_PLAN:
+        parse_plan(arguments, argument, state);
         return 0;
     case OPTION_STRATEGY:
         parse_strategy(arguments, argument, state);
@@ -311,6 +324,7 @@ static bool drive(struct patrol_report *report, enum patrol_method method, FILE 
                                      .scene = report->scene,
                                      .method = method,
                                      .turns_by_fixed_angle = report->turns_by_fixed_angle,
+                                     .plans_by_length = report->plans_by_length,
                                      .seed = report->seed,
                                      .faults = report->faults,
                                      .observe = patrol_record_observe,
@@ -453,7 +467,8 @@ static int patrol(const struct arguments *arguments, const struct four_wheel_fil
                                         .map_path = arguments->map_path,
                                         .seed = arguments->common.seed,
                                         .faults = arguments->faults,
-                                        .turns_by_fixed_angle = arguments->turns_by_fixed_angle};
+                                        .turns_by_fixed_angle = arguments->turns_by_fixed_angle,
+                                        .plans_by_length = arguments->plans_by_length};
         status = drive_and_write(arguments, &report);
     }
     for (size_t i = 0; i < report.run_count; i++) {
@@ -470,6 +485,7 @@ int main(int argc, char **argv)
         {"method", OPTION_METHOD, "METHOD", 0, "improved, plain, pursuit or all (default)", 0},
         {"strategy", OPTION_STRATEGY, "STRATEGY", 0,
          "how the improved band turns to its path: by-cost (default), or by the paper's fixed-angle", 0},
+        {"plan", OPTION_PLAN, "COST", 0, "what its path costs: joules (default), or by the paper its length", 0},
         {"map", OPTION_MAP, "MAP.json", 0, "drive over this map (tools.design.import_map) instead of a scene", 0},
         {"start", OPTION_START, "X,Y,DEG", 0, "on that map, m in its frame", 0},
         {"goal", OPTION_GOAL, "X,Y,DEG", 0, "likewise", 0},

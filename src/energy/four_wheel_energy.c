@@ -7,8 +7,12 @@
 #include "src/base/integer.h"
 
 #define SPEED_MAX    JP_Q24(8)
+#define SPEED_MIN    JP_Q24(1.0 / 256)
 #define TRAVEL_MAX   JP_Q16(256)
 #define DURATION_MAX JP_Q16(256)
+
+/* Over a speed in Q24 it is seconds in Q16. */
+#define ONE_METRE ((int64_t)1 << 40)
 
 /* So that no product and no sum overflows: effort, m/s in Q24; force of a wheel over the weight, Q24; W in Q16; energy
  * of a piece, Q16. */
@@ -219,6 +223,28 @@ enum jp_status jp_four_wheel_energy_add(const struct jp_four_wheel_energy_model 
     }
     drive->change[JP_FOUR_WHEEL_STEERING] += steering;
     return JP_OK;
+}
+
+enum jp_status jp_four_wheel_energy_metre(const struct jp_four_wheel_energy_model *model, jp_q24 speed, jp_q24 grade,
+                                          jp_q16 *joules)
+{
+    struct jp_four_wheel_drive drive = {0};
+
+    if (model == NULL || joules == NULL || !jp_is_between(speed, SPEED_MIN, SPEED_MAX)) {
+        return JP_ERR_ARGUMENT;
+    }
+    const struct jp_four_wheel_piece piece = {
+        .start = {speed, 0, 0}, .end = {speed, 0, 0}, .grade = grade, .duration = jp_divide(ONE_METRE, speed)};
+    const enum jp_status status = jp_four_wheel_energy_add(model, &drive, &piece);
+
+    if (status != JP_OK) {
+        return status;
+    }
+    const int64_t exact = model->unit_exponent < 0 ? jp_round_shift64(drive.energy, (unsigned)-model->unit_exponent)
+                                                   : drive.energy * ((int64_t)1 << model->unit_exponent);
+
+    *joules = jp_saturate32(exact);
+    return *joules == exact ? JP_OK : JP_ERR_OVERFLOW;
 }
 
 /* ---- Factors ---- */

@@ -12,8 +12,10 @@
 #define STEP_MAX         JP_Q16(512)
 #define SHARE_MAX        JP_Q16(4096)
 #define TRANSIENT_MAX    JP_Q16(4096)
+#define PASSED_MAX       JP_Q16(4096)
 #define DURATION_MIN_MAX JP_Q16(60)
 #define REST_MAX         JP_Q16(1000)
+#define TRANSIENTS_MAX   ((int64_t)1 << 61) /* Q28 J; far beyond what an energy may be, so that two more axes fit */
 
 /** How an axis is driven in a segment, in m/s for travel, in rad/s and rad for yaw. */
 struct axis_command {
@@ -21,7 +23,7 @@ struct axis_command {
     jp_q24 step[2]; /**< Δv or Δw, and σ */
 };
 
-enum axis_field { FIELD_MODE, FIELD_STEP, FIELD_CROSS, FIELD_STEADY, FIELDS };
+enum axis_field { FIELD_MODE, FIELD_PASSED, FIELD_STEP, FIELD_CROSS, FIELD_STEADY, FIELDS };
 
 static bool all_within(const jp_q16 *values, uint32_t count, jp_q16 limit)
 {
@@ -63,11 +65,27 @@ static bool modes_are_valid(const struct jp_axis_modes *axis)
     return !second;
 }
 
+/** A sum is of two real modes. */
+static bool sums_are_valid(const struct jp_axis_modes *axis)
+{
+    for (uint32_t i = 0; i < axis->count; i++) {
+        const bool may_pass = i + 1U < axis->count && !is_paired(&axis->mode[i]) && !is_paired(&axis->mode[i + 1U]);
+
+        if (!jp_is_between(axis->passed[i], 0, may_pass ? PASSED_MAX : 0)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 /** Of the modes in use; FIELDS: none. */
 static enum axis_field first_bad_field(const struct jp_axis_modes *axis)
 {
     if (!modes_are_valid(axis)) {
         return FIELD_MODE;
+    }
+    if (!sums_are_valid(axis)) {
+        return FIELD_PASSED;
     }
     if (!all_within(axis->step[0], axis->count, STEP_MAX) || !all_within(axis->step[1], axis->count, STEP_MAX)) {
         return FIELD_STEP;
@@ -91,10 +109,11 @@ enum jp_status jp_horizon_check(const struct jp_horizon *horizon, const char **f
         FIELD(travel.count, 0, JP_AXIS_MODES),
         FIELD(yaw.count, 0, JP_AXIS_MODES),
     };
-    static const char *const travel_names[FIELDS] = {"horizon.travel.mode", "horizon.travel.step",
-                                                     "horizon.travel.cross", "horizon.travel.steady"};
-    static const char *const yaw_names[FIELDS] = {"horizon.yaw.mode", "horizon.yaw.step", "horizon.yaw.cross",
-                                                  "horizon.yaw.steady"};
+    static const char *const travel_names[FIELDS] = {"horizon.travel.mode", "horizon.travel.passed",
+                                                     "horizon.travel.step", "horizon.travel.cross",
+                                                     "horizon.travel.steady"};
+    static const char *const yaw_names[FIELDS] = {"horizon.yaw.mode", "horizon.yaw.passed", "horizon.yaw.step",
+                                                  "horizon.yaw.cross", "horizon.yaw.steady"};
     const enum jp_status status = jp_config_check(horizon, fields, JP_CONFIG_COUNT(fields), field);
 
     if (status != JP_OK) {
@@ -133,16 +152,37 @@ static void rotate(jp_q16 *modes, jp_angle angle)
     modes[1] = jp_round_shift(second, 31);
 }
 
-/** Propagates `modes` from the begin of a segment to its end: at most 22 000 V. */
+/** A mode in a segment, as its successor needs it. */
+struct mode_before {
+    jp_q16 start;  /**< at the segment's begin, at most 22 000 V */
+    int32_t share; /**< that is left at its end, Q30 */
+    jp_q16 sum;    /**< what it got of those before it */
+    jp_q16 passed;
+};
+
+/** What a mode gets of those before it. */
+static jp_q16 passed_on(const struct mode_before *before, int32_t share)
+{
+    int64_t decayed = jp_round_shift64(jp_multiply(before->start, before->share - share), 30);
+
+    return jp_saturate32(jp_round_shift64((before->sum + decayed) * before->passed, 16));
+}
+
+/** Propagates `modes` from the begin of a segment to its end. */
 static void advance(const struct jp_axis_modes *axis, const struct axis_command *command, jp_q16 duration,
                     const jp_q16 *modes, jp_q16 *left)
 {
+    struct mode_before before = {0, 0, 0, 0};
+
     for (uint32_t i = 0; i < axis->count; i++) {
         int64_t added =
             jp_multiply(axis->step[0][i], command->step[0]) + jp_multiply(axis->step[1][i], command->step[1]);
-        jp_q16 begun = modes[i] + jp_round_shift(added, 24);
+        jp_q16 start = modes[i] + jp_round_shift(added, 24);
+        int32_t share = decayed_share(&axis->mode[i], duration);
+        jp_q16 sum = before.passed == 0 ? 0 : passed_on(&before, share);
 
-        left[i] = jp_multiply_shift(begun, decayed_share(&axis->mode[i], duration), 30);
+        left[i] = jp_saturate32((int64_t)jp_multiply_shift(start, share, 30) + sum);
+        before = (struct mode_before){start, share, sum, axis->passed[i]};
     }
     bool second = false; /* of a pair */
     for (uint32_t i = 0; i < axis->count; i++) {
@@ -186,7 +226,7 @@ static int64_t stored_energy(const struct jp_axis_modes *axis, const struct axis
     return energy;
 }
 
-/** Adds the energy of an axis's transient in a segment. False: its transient at the end had to be limited. */
+/** Adds the energy of an axis's transient in a segment. False: that, or its transient at the end, had to be limited. */
 static bool drive_axis(const struct jp_axis_modes *axis, const struct axis_command *command, jp_q16 duration,
                        const jp_q16 *modes, jp_q16 *left, int64_t *energy)
 {
@@ -194,7 +234,13 @@ static bool drive_axis(const struct jp_axis_modes *axis, const struct axis_comma
 
     advance(axis, command, duration, modes, left);
     bool within = limit_transient(axis, left);
-    *energy += stored_energy(axis, command, modes) - stored_energy(axis, &steady, left);
+    int64_t total = *energy + stored_energy(axis, command, modes) - stored_energy(axis, &steady, left);
+
+    if (total < -TRANSIENTS_MAX || total > TRANSIENTS_MAX) {
+        total = total < 0 ? -TRANSIENTS_MAX : TRANSIENTS_MAX;
+        within = false;
+    }
+    *energy = total;
     return within;
 }
 

@@ -25,6 +25,7 @@
 #define LEAST      1.0e-3f
 #define VALUE_MAX  1000.0f
 #define PRICE_MAX  1.0e9f
+#define WORTH_MAX  1024.0f
 #define SPEED_MAX  16.0f /* that a twist may have, m/s and rad/s */
 #define CYCLES_MAX 10000.0f
 
@@ -40,6 +41,7 @@ static enum jp_status check(const struct jp_patrol_config *config, const char **
         FIELD(scan.tolerance, LEAST, VALUE_MAX),
         FIELD(scan.beams_min, 1.0f, VALUE_MAX),
         FIELD(price.second, LEAST, PRICE_MAX),
+        FIELD(price.worth, 0.0f, WORTH_MAX),
         FIELD(price.turning, 0.0f, PRICE_MAX),
         FIELD(price.steering, 0.0f, PRICE_MAX),
         FIELD(glide_clearance, 0.0f, VALUE_MAX),

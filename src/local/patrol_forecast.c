@@ -33,7 +33,8 @@ struct planned_leg {
     const struct jp_patrol_plan *plan;
     struct jp_four_wheel_drive drive;
     float duration;
-    float speed; /* now */
+    float speed;  /* now */
+    jp_q24 grade; /* of the piece that is driven */
 };
 
 static float smaller(float a, float b)
@@ -58,6 +59,7 @@ static void add(struct planned_leg *leg, float start, float end, float turn_rate
     const struct jp_four_wheel_piece piece = {
         .start = {to_q24(start), 0, to_q24(turn_rate)},
         .end = {to_q24(end), 0, to_q24(turn_rate)},
+        .grade = leg->grade,
         .travel = to_q16(travel),
         .duration = to_q16(seconds),
     };
@@ -148,6 +150,22 @@ static void drive_part(struct planned_leg *leg, float start, float end, float le
     }
 }
 
+/* From one point to another, with a length between them. */
+static jp_q24 grade_between(const struct planned_leg *leg, struct jp_plane_point from, struct jp_plane_point to,
+                            float length)
+{
+    const struct jp_terrain *const ground = leg->plan->ground;
+
+    if (ground == NULL) {
+        return 0;
+    }
+    const struct jp_point start = {(jp_q16)(from.x * (float)JP_Q16_ONE), (jp_q16)(from.y * (float)JP_Q16_ONE)};
+    const struct jp_point end = {(jp_q16)(to.x * (float)JP_Q16_ONE), (jp_q16)(to.y * (float)JP_Q16_ONE)};
+    const float rise = (float)(jp_terrain_height(ground, &end) - jp_terrain_height(ground, &start));
+
+    return to_q24(jp_plane_clamp(rise / ((float)JP_Q16_ONE * length), -1.0f, 1.0f));
+}
+
 /* A piece of the path by its length, its turn and what is left after it: the robot speeds up to what the piece lets it,
  * and slows down for what comes. */
 static void drive_piece(struct planned_leg *leg, float length, float turned, float left)
@@ -202,11 +220,13 @@ static float drive(struct planned_leg *leg)
             const float direction = jp_plane_bearing(to.x - from.x, to.y - from.y);
 
             left -= length;
+            leg->grade = grade_between(leg, from, to, length);
             drive_piece(leg, length, i > 1U ? jp_plane_wrap(direction - heading) : 0.0f, left > 0.0f ? left : 0.0f);
             heading = direction;
             from = to;
         }
     }
+    leg->grade = 0;
     return heading;
 }
 
@@ -229,8 +249,11 @@ static void drive_in(struct planned_leg *leg)
     const float away = jp_plane_length(plan->goal.pose.x - end.x, plan->goal.pose.y - end.y);
 
     if (away > leg->config->position_tolerance) {
+        const struct jp_plane_point goal = {plan->goal.pose.x, plan->goal.pose.y};
+
         leg->speed = 0.0f;
         set_going(leg);
+        leg->grade = grade_between(leg, end, goal, away);
         drive_piece(leg, away, 0.0f, 0.0f);
     }
 }

@@ -11,6 +11,7 @@
 #include "src/local/patrol_glide.h"
 #include "src/local/patrol_marks.h"
 #include "src/local/patrol_path.h"
+#include "src/local/patrol_plan_prices.h"
 #include "src/local/patrol_trodden.h"
 
 /* Of a path's points, m. */
@@ -51,6 +52,9 @@
 /* Clearances beyond half the robot's width, m, from the widest on: the first that has a path is taken. */
 static const float margins[] = {0.15f, 0.10f, 0.05f, 0.02f};
 #define MARGINS (sizeof margins / sizeof margins[0])
+
+/* The first of them where clearance has a price. */
+#define FIRST_PRICED 1U
 
 /* All of them are first wider by so many standard deviations of the position, where that is more than so much, m. */
 #define DEVIATIONS    2.0f
@@ -106,6 +110,17 @@ static bool is_footprint_in_range(const struct jp_patrol_mission_config *config)
     return jp_plane_length(length, width) <= RADIUS_MAX * jp_patrol_cell(config->map);
 }
 
+/* Or plans by length. */
+static bool has_prices(const struct jp_patrol_mission_config *config)
+{
+    struct jp_grid_prices prices;
+    const char *field;
+
+    return config->energy == NULL || (jp_four_wheel_energy_check(config->energy, &field) == JP_OK &&
+                                      jp_patrol_plan_prices(&config->patrol, config->energy, margins[FIRST_PRICED],
+                                                            jp_patrol_cell(config->map), &prices) == JP_OK);
+}
+
 #define FIELD(member, low, high) JP_CONFIG_FIELD("", struct jp_patrol_mission_config, member, low, high)
 
 static enum jp_status check(const struct jp_patrol_mission_config *config, const char **field)
@@ -121,7 +136,13 @@ static enum jp_status check(const struct jp_patrol_mission_config *config, const
 
     const enum jp_status status = jp_config_check(config, fields, JP_CONFIG_COUNT(fields), field);
 
-    return status == JP_OK && !is_footprint_in_range(config) ? jp_config_refuse("teb.footprint", field) : status;
+    if (status != JP_OK) {
+        return status;
+    }
+    if (!has_prices(config)) {
+        return jp_config_refuse("energy", field);
+    }
+    return is_footprint_in_range(config) ? JP_OK : jp_config_refuse("teb.footprint", field);
 }
 
 static void copy_map(struct jp_patrol_mission *mission)
@@ -131,6 +152,7 @@ static void copy_map(struct jp_patrol_mission *mission)
     for (int32_t y = 0; y < (int32_t)given->config.height; y++) {
         for (int32_t x = 0; x < (int32_t)given->config.width; x++) {
             (void)jp_terrain_set_cell(&mission->internal.marked, x, y, jp_terrain_cell(given, x, y));
+            (void)jp_terrain_set_elevation(&mission->internal.marked, x, y, jp_terrain_elevation(given, x, y));
         }
     }
 }
@@ -292,15 +314,32 @@ static bool begin_beside(struct jp_patrol_mission *mission, const struct jp_grid
     return has_begun;
 }
 
+/* The clearance to try after another one. */
+static uint8_t next_trial(const struct jp_patrol_mission *mission, uint8_t trial)
+{
+    const uint8_t next = (uint8_t)(trial + 1U);
+
+    return mission->config.energy != NULL && next % MARGINS == 0U ? (uint8_t)(next + FIRST_PRICED) : next;
+}
+
 static bool begin_search(struct jp_patrol_mission *mission)
 {
-    const struct jp_grid_planner_config config = grid_config(&mission->config, margin_of(mission));
+    const struct jp_patrol_mission_config *const config = &mission->config;
+    struct jp_grid_planner_config grid = grid_config(config, margin_of(mission));
+    struct jp_grid_prices prices;
     const struct jp_grid_cell start = cell_of(mission, &mission->patrol.pose);
     const struct jp_grid_cell goal = cell_of(mission, &mission->internal.target);
     const char *field;
 
-    return jp_grid_planner_init(&mission->internal.grid, &config, &mission->internal.marked,
-                                mission->internal.grid_block, mission->internal.grid_size, &field) == JP_OK &&
+    if (config->energy != NULL) {
+        if (jp_patrol_plan_prices(&config->patrol, config->energy, margin_of(mission), jp_patrol_cell(config->map),
+                                  &prices) != JP_OK) {
+            return false;
+        }
+        grid.prices = &prices;
+    }
+    return jp_grid_planner_init(&mission->internal.grid, &grid, &mission->internal.marked, mission->internal.grid_block,
+                                mission->internal.grid_size, &field) == JP_OK &&
            (jp_grid_planner_start(&mission->internal.grid, &start, &goal) == JP_OK ||
             (mission->internal.trial + 1U == 2U * MARGINS && begin_beside(mission, &start, &goal)));
 }
@@ -359,6 +398,7 @@ static enum finding find(struct jp_patrol_mission *mission, unsigned expansions)
     uint16_t count;
 
     if (is_near(mission)) {
+        mission->price = 0.0f;
         return as_finding(follow_straight(mission, &mission->internal.target));
     }
     if (!mission->internal.is_searching) {
@@ -374,10 +414,11 @@ static enum finding find(struct jp_patrol_mission *mission, unsigned expansions)
                 return NOT_FOUND;
             }
             mission->counts = *jp_grid_planner_statistics(&mission->internal.grid);
+            mission->price = jp_plane_of_q32(jp_grid_planner_price(&mission->internal.grid));
             return as_finding(follow(mission, &mission->internal.target, count));
         }
     }
-    mission->internal.trial++;
+    mission->internal.trial = next_trial(mission, mission->internal.trial);
     return mission->internal.trial < 2U * MARGINS ? PENDING : NOT_FOUND;
 }
 
@@ -388,10 +429,17 @@ const struct jp_point *jp_patrol_mission_grid_path(const struct jp_patrol_missio
 
 /* ---- Planning ---- */
 
+static uint8_t first_trial(const struct jp_patrol_mission *mission)
+{
+    const uint8_t first = mission->patrol.internal.deviation > DEVIATION_MIN ? 0U : (uint8_t)MARGINS;
+
+    return mission->config.energy != NULL ? (uint8_t)(first + FIRST_PRICED) : first;
+}
+
 static void seek(struct jp_patrol_mission *mission, const struct jp_plane_pose *target)
 {
     mission->internal.target = *target;
-    mission->internal.trial = mission->patrol.internal.deviation > DEVIATION_MIN ? 0U : (uint8_t)MARGINS;
+    mission->internal.trial = first_trial(mission);
     mission->internal.is_searching = false;
     mission->state = JP_MISSION_PLANNING;
 }

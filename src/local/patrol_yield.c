@@ -37,9 +37,8 @@
 /* Beyond this the uncertainty of a direction grows no further, s. */
 #define SPREAD_TIME 0.5f
 
-/* What the robot keeps from things that it drives towards, m: it is the slower the nearer it comes to that. Where there
- * is no more, it passes them creeping, in m/s, but no nearer than the laser and its own control are exact, m. */
-#define CLEARANCE     0.1f
+/* Towards things the robot is the slower the nearer it comes to what it keeps from them. Where there is no more, it
+ * passes them creeping, in m/s, but no nearer than the laser and its own control are exact, m. */
 #define CREEP         0.1f
 #define CLEARANCE_MIN 0.03f
 
@@ -488,13 +487,20 @@ static void heed_clearance(struct jp_patrol *patrol)
     const float nearer = here - jp_patrol_clearance(patrol, &stopped);
 
     if (nearer > 0.0f) {
-        const float whole = jp_plane_larger(way * (here - CLEARANCE) / nearer, 0.0f);
+        const float whole = jp_plane_larger(way * (here - JP_PATROL_CLEARANCE) / nearer, 0.0f);
         const float least = jp_plane_larger(way * (here - CLEARANCE_MIN) / nearer, 0.0f);
 
         slow_down(patrol, wanted,
                   jp_plane_larger(jp_patrol_stopping_speed(config, braking, whole),
                                   jp_plane_smaller(jp_patrol_stopping_speed(config, braking, least), CREEP)));
     }
+}
+
+float jp_patrol_speed_beside(const struct jp_patrol_config *config, float distance)
+{
+    const float most = config->teb.speed_max;
+
+    return distance < JP_PATROL_CLEARANCE ? jp_plane_smaller(CREEP, most) : most;
 }
 
 /* What it drives is worth half as much: who creeps on gains little. */

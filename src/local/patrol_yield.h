@@ -4,6 +4,9 @@
 
 #include <joulepath/patrol.h>
 
+/** What the robot keeps from things that it drives towards, m. */
+#define JP_PATROL_CLEARANCE 0.1f
+
 /**
  * Slows the command of this cycle down, with its curve kept, to what is safe in time: among a few speeds it takes the
  * highest at which the robot keeps its clearance, all along what it plans for some seconds, from where people may be
@@ -15,5 +18,9 @@
  * Work: speeds × instants × people at most, two distances each.
  */
 void jp_patrol_yield(struct jp_patrol *patrol, const struct jp_plane_speed *speed);
+
+/** How fast it drives past things at a distance of its footprint, m; m/s: it creeps where it has less than it keeps
+ * from what it drives towards. */
+float jp_patrol_speed_beside(const struct jp_patrol_config *config, float distance);
 
 #endif

@@ -77,6 +77,7 @@ static struct jp_patrol_mission_config mission_config(const struct jp_patrol_pil
 
     return (struct jp_patrol_mission_config){.patrol = *config->patrol,
                                              .map = map,
+                                             .energy = &pilot->ledger.learner.model,
                                              .turns_before_goal = config->patrol->turns_in_place,
                                              .points_max = config->points_max,
                                              .turns_max = config->turns_max};
@@ -406,7 +407,8 @@ static struct jp_patrol_plan plan_of(const struct jp_patrol_pilot *pilot)
         .path = pilot->mission.path,
         .path_count = pilot->mission.path_count,
         .goal = {.pose = pilot->internal.goals[pilot->internal.goal_next], .is_heading_free = false},
-        .tick_rate = jp_four_wheel_robot_configuration(pilot->internal.robot)->tick_rate};
+        .tick_rate = jp_four_wheel_robot_configuration(pilot->internal.robot)->tick_rate,
+        .ground = pilot->mission.config.map};
 }
 
 /** The way to the goal was found for the first time. */

@@ -1,10 +1,11 @@
 #include "src/search/grid_edges.h"
 
 enum {
-    ONE = 65536,      /* a cell, Q16 */
-    STEEPEST = 46341, /* 1/√2, Q16: at a greater difference the best point of the edge is its diagonal node */
-    MARGIN = 1024,    /* least distance of a point within an edge from the edge's nodes, cells, Q16 */
-    SIDES = 4,        /* of a square of four nodes */
+    ONE = 65536,       /* a cell, Q16 */
+    ROOT_HALF = 46341, /* 1/√2, Q16 */
+    STEEPEST = 64512,  /* greatest slope of the cost-to-go, in that of a way on level ground, Q16 */
+    MARGIN = 1024,     /* least distance of a point within an edge from the edge's nodes, cells, Q16 */
+    SIDES = 4,         /* of a square of four nodes */
 };
 
 /* ---- Tube ---- */
@@ -78,21 +79,49 @@ static uint32_t settled_cost(const struct jp_grid_planner_internal *planner, int
     return jp_grid_is_settled(node) ? node->g : GRID_COST_MAX;
 }
 
-/** Least cost of a step over the edge between a straight and a diagonal neighbour, at least one of which is settled:
- *  g1 + √(1 − d²) with d = g1 − g2, or the straight or the diagonal step where the minimum is at an end of the edge. */
-static uint32_t cost_over_edge(uint32_t straight, uint32_t diagonal)
+/** Half of a square: from a node over the edge between a straight and a diagonal neighbour. */
+struct triangle {
+    uint32_t straight; /* cost-to-go of the neighbours, GRID_COST_MAX: not settled; at least one is */
+    uint32_t diagonal;
+    uint32_t straight_step; /* cost of the steps to them */
+    uint32_t diagonal_step;
+};
+
+static uint32_t sum(uint32_t cost, uint32_t step)
 {
-    if (straight <= diagonal) {
-        return straight + GRID_STRAIGHT;
-    }
-    const uint32_t difference = straight - diagonal;
+    return cost == GRID_COST_MAX ? GRID_COST_MAX : cost + step;
+}
 
-    if (difference >= (uint32_t)STEEPEST) {
-        return diagonal + GRID_DIAGONAL;
-    }
-    const jp_q16 d = (jp_q16)difference;
+/** Least cost over the edge: g1 + √(c² − d²) with d = g1 − g2 and the mean price c of a cell's width, or the straight
+ *  or the diagonal step where the minimum is at an end of the edge. */
+static uint32_t cost_over_edge(const struct triangle *triangle)
+{
+    const uint32_t straight = sum(triangle->straight, triangle->straight_step);
+    const uint32_t diagonal = sum(triangle->diagonal, triangle->diagonal_step);
+    const uint32_t least = straight < diagonal ? straight : diagonal;
 
-    return straight + (uint32_t)jp_q16_square_root(ONE - jp_q16_multiply(d, d));
+    if (triangle->straight == GRID_COST_MAX || triangle->straight <= triangle->diagonal) {
+        return least;
+    }
+    const uint64_t d = triangle->straight - triangle->diagonal;
+    const uint64_t c = (triangle->straight_step + (((uint64_t)triangle->diagonal_step * ROOT_HALF) >> 16)) / 2U;
+
+    if (2U * d * d >= c * c) {
+        return least;
+    }
+    const uint32_t within = triangle->straight + jp_square_root(c * c - d * d);
+
+    return within < least ? within : least;
+}
+
+/** Off the map, where nothing is settled, any. */
+static uint32_t step_cost(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y,
+                          const struct jp_grid_direction *d)
+{
+    const unsigned direction = (unsigned)(d - jp_grid_directions);
+
+    return jp_terrain_contains(planner->terrain, x + d->dx, y + d->dy) ? jp_grid_step_cost(planner, x, y, direction)
+                                                                       : 0U;
 }
 
 /** Least cost of a node over the two edges that its settled neighbour in a direction is part of. */
@@ -109,8 +138,10 @@ static uint32_t cost_over_neighbour(const struct jp_grid_planner_internal *plann
         if (jp_grid_is_blocked(planner, x + straight->dx, y + straight->dy)) {
             continue;
         }
-        const uint32_t cost = cost_over_edge(settled_cost(planner, x + straight->dx, y + straight->dy),
-                                             settled_cost(planner, x + diagonal->dx, y + diagonal->dy));
+        const struct triangle triangle = {settled_cost(planner, x + straight->dx, y + straight->dy),
+                                          settled_cost(planner, x + diagonal->dx, y + diagonal->dy),
+                                          step_cost(planner, x, y, straight), step_cost(planner, x, y, diagonal)};
+        const uint32_t cost = cost_over_edge(&triangle);
         least = cost < least ? cost : least;
     }
     return least;
@@ -180,8 +211,8 @@ enum jp_grid_progress jp_grid_edges_propagate(struct jp_grid_planner_internal *p
 /** Where a step of the descent may lead. */
 struct successor {
     struct jp_point place; /* cells, Q16 */
-    uint32_t cost;         /* interpolated cost-to-go from it, cells, Q16 */
-    uint32_t total;        /* the same and the distance to it */
+    uint32_t cost;         /* interpolated cost-to-go from it */
+    uint32_t total;        /* the same and that of the line to it */
 };
 
 /** An edge between two neighbouring nodes: from (x, y) east or north. */
@@ -206,47 +237,51 @@ static struct jp_point point_of(const struct jp_grid_planner_internal *planner, 
     return (struct jp_point){jp_q16_multiply(place->x, side) + side / 2, jp_q16_multiply(place->y, side) + side / 2};
 }
 
-/** The point of an edge over which the cost from a place is least: along − slope·across/√(1 − slope²). The place is at
- *  `along` and at the distance `across` from the edge; `slope` is that of the cost-to-go. */
-static jp_q16 best_along(jp_q16 along, jp_q16 across, jp_q16 slope)
+/** What a cell's width costs on level ground at the middle of an edge whose ends are known. */
+static int32_t width_cost(const struct jp_grid_planner_internal *planner, const struct grid_edge *edge)
 {
+    const uint32_t first = jp_grid_level_price(planner, edge->x, edge->y);
+    const uint32_t second =
+        jp_grid_level_price(planner, edge->x + (edge->is_northward ? 0 : 1), edge->y + (edge->is_northward ? 1 : 0));
+
+    return (int32_t)(planner->straight * (first + second) / 512U);
+}
+
+/** The point of an edge over which the cost from a place is least: along − slope·across/√(1 − slope²). The place is at
+ *  `along` and at the distance `across` from the edge; `slope` is that of the cost-to-go by what a width costs. */
+static jp_q16 best_along(jp_q16 along, jp_q16 across, jp_q16 relative)
+{
+    const jp_q16 slope = jp_clamp32(relative, -STEEPEST, STEEPEST);
     const jp_q16 shift =
         jp_q16_divide(jp_q16_multiply(slope, across), jp_q16_square_root(ONE - jp_q16_multiply(slope, slope)));
 
     return jp_clamp32(jp_sub(along, shift), MARGIN, ONE - MARGIN);
 }
 
-/** A successor at a point of an edge. At the edge's second end it is exact even when the cost of the first end is not
- *  known (GRID_COST_MAX): the unsigned sums wrap. */
-static struct successor successor_at(const struct jp_grid_planner_internal *planner, const struct grid_edge *edge,
-                                     jp_q16 along)
+/** A successor at a point of an edge, but for its total. At the edge's second end it is exact even when the cost of the
+ *  first end is not known (GRID_COST_MAX): the unsigned sums wrap. */
+static struct successor successor_at(const struct grid_edge *edge, jp_q16 along)
 {
     const jp_q16 x = edge->x * ONE + (edge->is_northward ? 0 : along);
     const jp_q16 y = edge->y * ONE + (edge->is_northward ? along : 0);
-    const int64_t dx = (int64_t)x - planner->place.x;
-    const int64_t dy = (int64_t)y - planner->place.y;
-    struct successor successor = {.place = {x, y}};
 
-    successor.cost = edge->first + (uint32_t)jp_q16_multiply(along, slope_of(edge));
-    successor.total = successor.cost + jp_square_root((uint64_t)(dx * dx) + (uint64_t)(dy * dy));
-    return successor;
+    return (struct successor){.place = {x, y}, .cost = edge->first + (uint32_t)jp_q16_multiply(along, slope_of(edge))};
 }
 
-/** True for a successor of lower cost-to-go, and for a node of equal cost-to-go: so the descent cannot cycle. */
-static bool leads_down(const struct jp_grid_planner_internal *planner, const struct successor *successor, bool is_node)
-{
-    return is_node ? successor->cost <= planner->place_cost : successor->cost < planner->place_cost;
-}
-
+/** Only a successor of lower cost-to-go will do: so the descent cannot cycle. */
 static void consider(const struct jp_grid_planner_internal *planner, const struct grid_edge *edge, jp_q16 along,
                      struct successor *best)
 {
-    const struct successor successor = successor_at(planner, edge, along);
+    struct successor successor = successor_at(edge, along);
+
+    if (successor.cost >= planner->place_cost || successor.cost >= best->total) {
+        return;
+    }
     const struct jp_point from = point_of(planner, &planner->place);
     const struct jp_point to = point_of(planner, &successor.place);
 
-    if (successor.total < best->total && leads_down(planner, &successor, along == 0 || along == ONE) &&
-        jp_grid_line_is_free(planner, &from, &to)) {
+    successor.total = successor.cost + jp_grid_line_cost(planner, &from, &to);
+    if (successor.total < best->total && jp_grid_line_is_free(planner, &from, &to)) {
         *best = successor;
     }
 }
@@ -271,7 +306,8 @@ static void consider_edge(const struct jp_grid_planner_internal *planner, struct
         consider(planner, edge, ONE, best);
     }
     if (edge->first != GRID_COST_MAX && edge->second != GRID_COST_MAX) {
-        consider(planner, edge, best_along(along, across < 0 ? -across : across, slope_of(edge)), best);
+        const jp_q16 slope = jp_q16_divide(slope_of(edge), width_cost(planner, edge));
+        consider(planner, edge, best_along(along, across < 0 ? -across : across, slope), best);
     }
 }
 

@@ -5,7 +5,8 @@
 #include "src/search/grid_line.h"
 #include "src/search/grid_search.h"
 
-/** Appends a point in place of the last one if the one before that sees it (`shortcut`) or all three are on one line.
+/** Appends a point in place of the last one if all three are on one line, or (`shortcut`) the one before that sees it
+ *  and the way costs no more.
  *  False: there is no room. */
 bool jp_grid_path_add(const struct jp_grid_planner_internal *planner, struct jp_grid_path *path, struct jp_point point,
                       bool shortcut);
@@ -15,11 +16,11 @@ enum jp_grid_progress jp_grid_path_trace(struct jp_grid_planner_internal *planne
 
 void jp_grid_path_reverse(struct jp_grid_path *path);
 
-/** Shortens a path by line of sight; each turning point takes eight units of the budget. */
+/** Shortens a path, or makes it cheaper, by line of sight; each turning point takes eight units of the budget. */
 enum jp_grid_progress jp_grid_path_tighten(struct jp_grid_planner_internal *planner, struct jp_grid_path *path,
                                            unsigned *budget);
 
-/** Length, Q16 m. */
-uint64_t jp_grid_path_length(const struct jp_grid_path *path);
+/** As jp_grid_line_price(), of all lines. */
+uint64_t jp_grid_path_price(const struct jp_grid_planner_internal *planner, const struct jp_grid_path *path);
 
 #endif

@@ -41,7 +41,9 @@ static enum jp_status check(const struct jp_grid_planner_config *config, const s
     if (status == JP_OK && config->clearance > (int64_t)JP_GRID_CLEARANCE_MAX * map->resolution) {
         return jp_config_refuse("clearance", field);
     }
-    return status;
+    return status == JP_OK && config->prices != NULL && config->method == JP_GRID_JUMP_POINTS
+               ? jp_config_refuse("method", field)
+               : status;
 }
 
 static size_t plane_size(uint16_t row_cells, uint16_t rows)
@@ -121,7 +123,9 @@ enum jp_status jp_grid_planner_init(struct jp_grid_planner *planner, const struc
     inner->config = *config;
     inner->terrain = terrain;
     inner->answer = JP_GRID_NO_TASK;
-    inner->length_max = (uint32_t)JP_GRID_LENGTH_MAX * GRID_STRAIGHT;
+    if (!jp_grid_take_prices(inner)) {
+        return jp_config_refuse("prices", field);
+    }
     jp_grid_make_disc(inner);
     lay_out(inner, block, size);
     return JP_OK;
@@ -143,13 +147,16 @@ static void finish(struct jp_grid_planner_internal *planner, enum jp_grid_answer
     planner->answer = answer;
 }
 
+/** But for their rings. */
 static bool clear_nodes(struct jp_grid_planner_internal *planner, unsigned *budget)
 {
     const uint32_t cells = jp_grid_cell_count(planner);
+    const uint32_t kept = planner->is_priced ? GRID_RING_MASK : 0U;
 
     for (; *budget > 0U && planner->cursor < cells; --*budget) {
         for (unsigned i = 0; i < (unsigned)NODES_PER_UNIT && planner->cursor < cells; i++, planner->cursor++) {
-            planner->nodes[planner->cursor] = (struct jp_grid_node){GRID_COST_MAX, 0};
+            struct jp_grid_node *const node = &planner->nodes[planner->cursor];
+            *node = (struct jp_grid_node){GRID_COST_MAX, node->place & kept};
         }
     }
     return planner->cursor == cells;
@@ -257,10 +264,10 @@ static void descend(struct jp_grid_planner_internal *planner, unsigned *budget)
     }
 }
 
-/** The shorter path is the answer. */
+/** The cheaper path is the answer. */
 static void choose(struct jp_grid_planner_internal *planner)
 {
-    if (jp_grid_path_length(&planner->candidate) < jp_grid_path_length(&planner->path)) {
+    if (jp_grid_path_price(planner, &planner->candidate) < jp_grid_path_price(planner, &planner->path)) {
         const struct jp_grid_path path = planner->path;
         planner->path = planner->candidate;
         planner->candidate = path;
@@ -274,6 +281,17 @@ static void work(struct jp_grid_planner_internal *planner, unsigned *budget)
     case JP_GRID_FILL_PLANES:
         if (jp_grid_fill_planes(planner, budget)) {
             planner->has_planes = true;
+            enter(planner, planner->is_priced ? JP_GRID_MEASURE : JP_GRID_CLEAR);
+        }
+        break;
+    case JP_GRID_MEASURE:
+        if (jp_grid_measure(planner, budget)) {
+            enter(planner, JP_GRID_MEASURE_BACK);
+        }
+        break;
+    case JP_GRID_MEASURE_BACK:
+        if (jp_grid_measure_back(planner, budget)) {
+            planner->has_rings = true;
             enter(planner, JP_GRID_CLEAR);
         }
         break;
@@ -343,14 +361,17 @@ static enum jp_status check_cell(const struct jp_grid_planner_internal *planner,
                                                                                                       : JP_ERR_BLOCKED;
 }
 
-/** Begins with the bit planes where they show an older map. */
+/** Begins with the bit planes where they show an older map, or the rings are not whole. */
 static void begin(struct jp_grid_planner_internal *planner)
 {
+    const bool has_rings = planner->has_rings || !planner->is_priced;
+
     planner->answer = JP_GRID_SEARCHING;
-    if (planner->has_planes && planner->version == planner->terrain->version) {
+    if (planner->has_planes && has_rings && planner->version == planner->terrain->version) {
         enter(planner, JP_GRID_CLEAR);
     } else {
         planner->has_planes = false;
+        planner->has_rings = false;
         planner->version = planner->terrain->version;
         enter(planner, JP_GRID_FILL_PLANES);
     }
@@ -387,6 +408,28 @@ const struct jp_point *jp_grid_planner_path(const struct jp_grid_planner *planne
 
     *count = has_path ? inner->path.count : 0U;
     return has_path ? inner->path.points : NULL;
+}
+
+/** Of the whole rise of a path, J in Q32. */
+static int64_t price_of_rise(const struct jp_grid_planner_internal *planner, const struct jp_grid_path *path)
+{
+    const int64_t first = jp_terrain_height(planner->terrain, &path->points[0]);
+    const int64_t last = jp_terrain_height(planner->terrain, &path->points[path->count - 1U]);
+
+    return (last - first) * planner->rise;
+}
+
+jp_energy jp_grid_planner_price(const struct jp_grid_planner *planner)
+{
+    const struct jp_grid_planner_internal *inner = &planner->internal;
+
+    if (inner->answer != JP_GRID_FOUND || !inner->is_priced) {
+        return 0;
+    }
+    const uint64_t metres = jp_grid_path_price(inner, &inner->path) >> 8; /* level ones, Q16 */
+    const uint64_t most = (uint64_t)INT64_MAX / 2U / (uint64_t)inner->metre;
+
+    return (int64_t)(metres < most ? metres : most) * inner->metre + price_of_rise(inner, &inner->path);
 }
 
 const struct jp_grid_counts *jp_grid_planner_statistics(const struct jp_grid_planner *planner)

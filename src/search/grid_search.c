@@ -2,9 +2,6 @@
 
 #include "src/base/compiler.h"
 
-const struct jp_grid_direction jp_grid_directions[GRID_DIRECTIONS] = {{1, 0},  {1, 1},   {0, 1},  {-1, 1},
-                                                                      {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
-
 enum { STEPS_PER_UNIT = 16 /* of diagonal runs, for a unit of the budget */ };
 
 static uint32_t distance_along(int32_t a, int32_t b)
@@ -12,18 +9,31 @@ static uint32_t distance_along(int32_t a, int32_t b)
     return (uint32_t)(a < b ? b - a : a - b);
 }
 
-/** Octile distance to the goal, cells, Q16. */
+/** Octile distance to the goal at the least price. */
 static uint32_t heuristic(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y)
 {
     const uint32_t dx = distance_along(x, planner->goal.x);
     const uint32_t dy = distance_along(y, planner->goal.y);
 
-    return dx < dy ? dx * GRID_DIAGONAL + (dy - dx) * GRID_STRAIGHT : dy * GRID_DIAGONAL + (dx - dy) * GRID_STRAIGHT;
+    return dx < dy ? dx * planner->diagonal + (dy - dx) * planner->straight
+                   : dy * planner->diagonal + (dx - dy) * planner->straight;
 }
 
 static bool is_goal(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y)
 {
     return x == planner->goal.x && y == planner->goal.y;
+}
+
+/** Runs of several steps cost the same on every cell. */
+static bool uses_runs(const struct jp_grid_planner_internal *planner)
+{
+    return planner->config.method != JP_GRID_OCTILE && !planner->is_priced;
+}
+
+/** Level cells, Q16. */
+static jp_q16 octile_length(const struct jp_grid_planner_internal *planner, uint32_t cost)
+{
+    return jp_saturate32((int64_t)cost * (int64_t)(GRID_STRAIGHT / planner->straight));
 }
 
 /** True when a step from a cell is free: a diagonal one also needs both cells beside it. */
@@ -188,7 +198,7 @@ static bool find_next(const struct jp_grid_planner_internal *planner, int32_t *x
 {
     const struct jp_grid_direction *d = &jp_grid_directions[direction];
 
-    if (planner->config.method == JP_GRID_OCTILE) {
+    if (!uses_runs(planner)) {
         const bool is_free = can_step(planner, *x, *y, d);
         *x += d->dx;
         *y += d->dy;
@@ -201,7 +211,7 @@ static bool expand(struct jp_grid_planner_internal *planner, int32_t x, int32_t 
 {
     const uint32_t g = jp_grid_node(planner, x, y)->g;
     const unsigned arrived = jp_grid_search_parent_direction(planner, x, y);
-    const bool is_pruned = arrived != (unsigned)GRID_NO_DIRECTION && planner->config.method != JP_GRID_OCTILE;
+    const bool is_pruned = arrived != (unsigned)GRID_NO_DIRECTION && uses_runs(planner);
     const unsigned set = is_pruned ? directions_on(planner, x, y, arrived) : (1U << GRID_DIRECTIONS) - 1U;
 
     planner->counts.expansions++;
@@ -214,8 +224,7 @@ static bool expand(struct jp_grid_planner_internal *planner, int32_t x, int32_t 
         const uint32_t along_x = distance_along(x, next_x);
         const uint32_t along_y = distance_along(y, next_y);
         const uint32_t length = along_x > along_y ? along_x : along_y;
-        if (!relax(planner, next_x, next_y, g + length * (direction % 2U != 0U ? GRID_DIAGONAL : GRID_STRAIGHT),
-                   direction)) {
+        if (!relax(planner, next_x, next_y, g + length * jp_grid_step_cost(planner, x, y, direction), direction)) {
             return false;
         }
     }
@@ -229,7 +238,7 @@ void jp_grid_search_start(struct jp_grid_planner_internal *planner)
     planner->queue_count = 0;
     planner->is_too_long = false;
     node->g = 0;
-    node->place = (uint32_t)GRID_NO_DIRECTION << GRID_DIRECTION_SHIFT;
+    node->place |= (uint32_t)GRID_NO_DIRECTION << GRID_DIRECTION_SHIFT;
     (void)jp_grid_queue_put(planner, planner->start.x, planner->start.y, 0);
 }
 
@@ -243,7 +252,7 @@ enum jp_grid_progress jp_grid_search_work(struct jp_grid_planner_internal *plann
             return planner->is_too_long ? GRID_FULL : GRID_IMPOSSIBLE;
         }
         if (is_goal(planner, x, y)) {
-            planner->counts.octile_length = (jp_q16)jp_grid_node(planner, x, y)->g;
+            planner->counts.octile_length = octile_length(planner, jp_grid_node(planner, x, y)->g);
             return GRID_DONE;
         }
         if (!expand(planner, x, y, &steps)) {

@@ -2,19 +2,7 @@
 #ifndef JOULEPATH_SEARCH_GRID_SEARCH_H
 #define JOULEPATH_SEARCH_GRID_SEARCH_H
 
-#include "src/search/grid_queue.h"
-
-#define GRID_STRAIGHT UINT32_C(65536) /* cost of a step, cells, Q16 */
-#define GRID_DIAGONAL UINT32_C(92682) /* √2, rounded up */
-
-/** Directions, counterclockwise from east; odd ones are diagonal. */
-enum { GRID_DIRECTIONS = 8, GRID_NO_DIRECTION = 8 };
-
-struct jp_grid_direction {
-    int8_t dx;
-    int8_t dy;
-};
-extern const struct jp_grid_direction jp_grid_directions[GRID_DIRECTIONS];
+#include "src/search/grid_cost.h"
 
 enum jp_grid_progress { GRID_WORKING, GRID_DONE, GRID_IMPOSSIBLE, GRID_FULL };
 
@@ -22,7 +10,8 @@ enum jp_grid_progress { GRID_WORKING, GRID_DONE, GRID_IMPOSSIBLE, GRID_FULL };
 void jp_grid_search_start(struct jp_grid_planner_internal *planner);
 
 /** Expands until the goal is settled; each expansion takes a unit of the budget or more. GRID_IMPOSSIBLE: there is no
- *  path. GRID_FULL: the queue is full, or every path exceeds JP_GRID_LENGTH_MAX. */
+ *  path. GRID_FULL: the queue is full, or every path exceeds JP_GRID_LENGTH_MAX or
+ *  JP_GRID_PRICE_MAX. */
 enum jp_grid_progress jp_grid_search_work(struct jp_grid_planner_internal *planner, unsigned *budget);
 
 /** Direction from the parent of a settled cell; GRID_NO_DIRECTION at the start. */

@@ -76,6 +76,7 @@ const struct jp_patrol_config jp_patrol_config_patrol = {
     .price =
         {
             .second = 35.0f,       /* W */
+            .worth = 10.0f,        /* W */
             .turning = 2.7564402f, /* J/rad */
             .steering = 9.333333f, /* J/rad */
         },

@@ -275,7 +275,7 @@ static struct course *scene_course(uint32_t seed)
 
 static void create_planner(struct jp_grid_planner *planner, const struct course *course, enum jp_grid_method method)
 {
-    const struct jp_grid_planner_config config = {method, course->clearance, TUBE};
+    const struct jp_grid_planner_config config = {.method = method, .clearance = course->clearance, .tube = TUBE};
     const size_t size = jp_grid_planner_size(&config, &course->terrain.config);
     const char *field = "";
     if (jp_grid_planner_init(planner, &config, &course->terrain, allocate(size), size, &field) != JP_OK) {

@@ -1,6 +1,7 @@
 /** Instructions of one jp_grid_planner_work() of 32 expansions, any angle: the worst slice over the scenes of the
- *  bench. */
+ *  bench, by length and by the prices of the patrol robot among things and hills; and the longest search by prices. */
 #include <joulepath/grid_planner.h>
+#include <joulepath/tables.h>
 
 #include "tests/support/scene.h"
 #include "tests/target/cycles.h"
@@ -19,14 +20,20 @@ static void work(void *argument)
     answer = jp_grid_planner_work(argument, SLICE);
 }
 
-static uint32_t worst_slice;
-static uint32_t slices;
+/* Of searches. */
+struct effort {
+    uint32_t worst_slice;
+    uint32_t slices;
+    uint32_t longest; /* all slices of one search, thousands of instructions */
+};
 
-static void plan_scene(uint32_t seed)
+static void plan_scene(uint32_t seed, const struct jp_grid_prices *prices, struct effort *effort)
 {
-    static const struct jp_grid_planner_config config = {JP_GRID_ANY_ANGLE, JP_Q16(0.5), TUBE};
+    const struct jp_grid_planner_config config = {
+        .method = JP_GRID_ANY_ANGLE, .clearance = JP_Q16(0.5), .tube = TUBE, .prices = prices};
     struct scene_task task;
     const char *field = "";
+    uint32_t thousands = 0;
 
     (void)jp_terrain_init(&terrain, &scene_terrain_config, map_block, sizeof map_block, &field);
     scene_generate(seed, &terrain, &task);
@@ -37,20 +44,50 @@ static void plan_scene(uint32_t seed)
     do {
         const uint32_t instructions = target_count_once(work, &planner);
 
-        worst_slice = instructions > worst_slice ? instructions : worst_slice;
-        slices++;
+        effort->worst_slice = instructions > effort->worst_slice ? instructions : effort->worst_slice;
+        effort->slices++;
+        thousands += instructions / 1000U;
     } while (answer == JP_GRID_SEARCHING);
+    effort->longest = thousands > effort->longest ? thousands : effort->longest;
+}
+
+static void print_figure(const char *name, uint32_t of, const char *unit, uint32_t value)
+{
+    target_print("{\"name\": \"" TARGET_CORE ": ");
+    target_print(name);
+    target_print(", worst of ");
+    target_print_number(of);
+    target_print("\", \"value\": ");
+    target_print_number(value);
+    target_print(", \"unit\": \"");
+    target_print(unit);
+    target_print("\", \"bound\": null, \"command\": \"make figures\"}");
 }
 
 int main(void)
 {
+    struct jp_grid_prices prices;
+    struct effort by_length = {0};
+    struct effort by_prices = {0};
+
+    (void)jp_grid_prices_set(&jp_four_wheel_energy_patrol, JP_Q24(1), JP_Q16(10), &prices);
+    prices.ring = SCENE_RESOLUTION;
+    prices.near[0] = JP_Q16(160);
     for (uint32_t i = 0; i < SCENE_BENCH_COUNT; i++) {
-        plan_scene(SCENE_BENCH_FIRST + i);
+        plan_scene(SCENE_BENCH_FIRST + i, NULL, &by_length);
+        plan_scene(SCENE_BENCH_FIRST + i, &prices, &by_prices);
     }
-    target_print("[\n{\"name\": \"" TARGET_CORE ": slice of 32 expansions of the grid planner, worst of ");
-    target_print_number(slices);
-    target_print("\", \"value\": ");
-    target_print_number(worst_slice);
-    target_print(", \"unit\": \"instructions\", \"bound\": null, \"command\": \"make figures\"}\n]\n");
+    target_print("[\n");
+    print_figure("slice of 32 expansions of the grid planner", by_length.slices, "instructions", by_length.worst_slice);
+    target_print(",\n");
+    print_figure("grid planner by prices, slice of 32 expansions", by_prices.slices, "instructions",
+                 by_prices.worst_slice);
+    target_print(",\n");
+    print_figure("grid planner by length, search over 300 × 300 cells", SCENE_BENCH_COUNT, "thousand instructions",
+                 by_length.longest);
+    target_print(",\n");
+    print_figure("grid planner by prices, search over 300 × 300 cells with hills", SCENE_BENCH_COUNT,
+                 "thousand instructions", by_prices.longest);
+    target_print("\n]\n");
     return 0;
 }

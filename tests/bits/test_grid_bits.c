@@ -1,5 +1,7 @@
-/* The same ways, lengths, expansions and smooth curves on every core: a hash over the scenes, equal to a known one. */
+/* The same ways, lengths, prices, expansions and smooth curves on every core: a hash over the scenes, equal to a known
+ * one. */
 #include <joulepath/path_spline.h>
+#include <joulepath/tables.h>
 
 #include "tests/support/bits_hash.h"
 #include "tests/support/scene.h"
@@ -46,9 +48,10 @@ static void mix_way(void)
     mix_points(smooth, smooth_count);
 }
 
-static void plan_scene(uint32_t seed, enum jp_grid_method method, jp_q16 clearance)
+static void plan_scene(uint32_t seed, enum jp_grid_method method, jp_q16 clearance, const struct jp_grid_prices *prices)
 {
-    const struct jp_grid_planner_config config = {method, clearance, TUBE};
+    const struct jp_grid_planner_config config = {
+        .method = method, .clearance = clearance, .tube = TUBE, .prices = prices};
     struct scene_task task;
     const char *field = "";
 
@@ -64,18 +67,37 @@ static void plan_scene(uint32_t seed, enum jp_grid_method method, jp_q16 clearan
     }
     TEST_ASSERT_EQUAL_INT(JP_GRID_FOUND, answer);
     mix_way();
+    if (prices != NULL) {
+        mix((uint32_t)jp_grid_planner_price(&planner));
+    }
 }
 
 static void test_octile(void)
 {
-    plan_scene(1, JP_GRID_OCTILE, 0);
-    plan_scene(2, JP_GRID_JUMP_POINTS, JP_Q16(0.5));
+    plan_scene(1, JP_GRID_OCTILE, 0, NULL);
+    plan_scene(2, JP_GRID_JUMP_POINTS, JP_Q16(0.5), NULL);
     TEST_ASSERT_EQUAL_HEX32(0x663919DB, hash);
 }
 
 static void test_any_angle(void)
 {
-    plan_scene(1, JP_GRID_ANY_ANGLE, 0);
-    plan_scene(3, JP_GRID_ANY_ANGLE, JP_Q16(0.5));
-    TEST_ASSERT_EQUAL_HEX32(0x4D125613, hash);
+    plan_scene(1, JP_GRID_ANY_ANGLE, 0, NULL);
+    plan_scene(3, JP_GRID_ANY_ANGLE, JP_Q16(0.5), NULL);
+    TEST_ASSERT_EQUAL_HEX32(0x0E4DE50A, hash);
+}
+
+/* Over hills, by a robot for which the ground beside things is dear. */
+static void test_by_joules(void)
+{
+    struct jp_grid_prices prices;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_grid_prices_set(&jp_four_wheel_energy_patrol, JP_Q24(0.9), JP_Q16(10), &prices));
+    prices.ring = SCENE_RESOLUTION;
+    for (unsigned i = 0; i < JP_GRID_RINGS; i++) {
+        prices.near[i] = JP_Q16(200) >> i;
+    }
+    plan_scene(1, JP_GRID_OCTILE, 0, &prices);
+    plan_scene(2, JP_GRID_ANY_ANGLE, JP_Q16(0.5), &prices);
+    plan_scene(3, JP_GRID_ANY_ANGLE, 0, &prices);
+    TEST_ASSERT_EQUAL_HEX32(0xD19FBFF1, hash);
 }

@@ -16,6 +16,7 @@
 static struct jp_terrain terrain;
 static struct jp_grid_planner planner;
 static struct jp_grid_planner_config config;
+static struct jp_grid_prices prices;
 static uint64_t map_block[2048];
 static uint64_t block[ROOM / sizeof(uint64_t)];
 static uint64_t scratch[8192];
@@ -27,6 +28,7 @@ static void draw_map(struct fuzz_input *input)
                                           .height = (uint16_t)(1U + fuzz_below(input, SIDE_MAX)),
                                           .resolution =
                                               fuzz_bool(input) ? JP_Q16(0.05) : fuzz_range(input, 1, JP_Q16(2)),
+                                          .has_elevation = fuzz_below(input, 4) == 0U,
                                           .unknown_is_free = fuzz_below(input, 8) != 0U};
     const char *field = NULL;
 
@@ -39,6 +41,33 @@ static void edit(struct fuzz_input *input)
     const int32_t y = (int32_t)fuzz_below(input, SIDE_MAX);
 
     (void)jp_terrain_set_cell(&terrain, x, y, fuzz_below(input, 4) == 0U ? JP_CELL_FREE : JP_CELL_OCCUPIED);
+    if (terrain.config.has_elevation) {
+        (void)jp_terrain_set_elevation(&terrain, x, y, (jp_elevation)fuzz_u32(input));
+    }
+}
+
+/* Of a model that passes its check, or anything. */
+static void choose_prices(struct fuzz_input *input)
+{
+    struct jp_four_wheel_energy_model model = jp_four_wheel_energy_patrol;
+    const char *field = NULL;
+
+    FUZZ_CHANGE(input, model);
+    prices = (struct jp_grid_prices){.metre = 0};
+    if (jp_four_wheel_energy_check(&model, &field) == JP_OK) {
+        const enum jp_status status =
+            jp_grid_prices_set(&model, fuzz_range(input, -1, JP_Q24(9)), fuzz_range(input, -1, JP_Q16(1025)), &prices);
+
+        fuzz_require((status == JP_OK) == (prices.ring != 0), "prices that were not set");
+    }
+    for (unsigned i = 0; i < JP_GRID_RINGS; i++) {
+        prices.near[i] = fuzz_range(input, 0, INT32_MAX);
+    }
+    prices.ring = fuzz_range(input, 1, JP_Q16(4));
+    if (fuzz_below(input, 8) == 0U) {
+        FUZZ_CHANGE(input, prices);
+    }
+    config.prices = &prices;
 }
 
 static bool start(struct fuzz_input *input)
@@ -48,7 +77,8 @@ static bool start(struct fuzz_input *input)
     const enum jp_status status = jp_grid_planner_init(
         &planner, &config, &terrain, block, fuzz_bool(input) || least > sizeof block ? sizeof block : least, &field);
 
-    fuzz_require((status == JP_ERR_CONFIG) == (least == 0U), "a size of what is out of range");
+    fuzz_require(status == JP_ERR_CONFIG || least != 0U, "a size of what is out of range");
+    fuzz_require(status != JP_ERR_CONFIG || least == 0U || config.prices != NULL, "a size of what is in range");
     fuzz_require(status == JP_OK || status == JP_ERR_MEMORY ||
                      (status == JP_ERR_CONFIG && field != NULL && field[0] != '\0'),
                  "a status of the planner");
@@ -118,7 +148,7 @@ static enum jp_grid_answer search(struct fuzz_input *input)
 
     for (unsigned left = 20000; left > 0U && answer == JP_GRID_SEARCHING; left--) {
         answer = jp_grid_planner_work(&planner, 1U + fuzz_below(input, 64));
-        if (fuzz_below(input, 256) == 255U) {
+        if (answer == JP_GRID_SEARCHING && fuzz_below(input, 256) == 255U) {
             edit(input);
         }
     }
@@ -142,6 +172,10 @@ static void find(struct fuzz_input *input)
 
     fuzz_require(path != NULL && count >= 1U, "a path without points");
     fuzz_require(jp_grid_planner_statistics(&planner)->bytes <= sizeof block, "more memory than there is");
+    fuzz_require(config.prices != NULL || jp_grid_planner_price(&planner) == 0, "a price without prices");
+    fuzz_require(config.prices == NULL || terrain.config.has_elevation || count == 1U ||
+                     jp_grid_planner_price(&planner) > 0,
+                 "a way that costs nothing");
     fuzz_require(path[0].x - first.x <= 2 && first.x - path[0].x <= 2 && path[count - 1U].y - last.y <= 2 &&
                      last.y - path[count - 1U].y <= 2,
                  "a path that begins or ends elsewhere");
@@ -166,6 +200,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     }
     for (unsigned left = fuzz_u8(&input); left > 0U; left--) {
         edit(&input);
+    }
+    if (fuzz_bool(&input)) {
+        choose_prices(&input);
     }
     if (!start(&input)) {
         return 0;

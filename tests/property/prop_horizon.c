@@ -127,9 +127,15 @@ static double drive_table(const struct jp_axis_modes *axis, double *modes, doubl
     for (uint32_t i = 0; i < axis->count; i++) {
         energy += (q16(axis->cross[0][i]) * step[0] + q16(axis->cross[1][i]) * step[1]) * modes[i];
     }
+    double passed_on = 0;
     for (uint32_t i = 0; i < axis->count; i++) {
-        modes[i] += q16(axis->step[0][i]) * step[0] + q16(axis->step[1][i]) * step[1];
-        modes[i] *= exp2(-q24(axis->mode[i].decay) * seconds);
+        const double begun = modes[i] + q16(axis->step[0][i]) * step[0] + q16(axis->step[1][i]) * step[1];
+        const double share = exp2(-q24(axis->mode[i].decay) * seconds);
+        modes[i] = share * begun + passed_on;
+        if (axis->passed[i] != 0) {
+            passed_on += (share - exp2(-q24(axis->mode[i + 1].decay) * seconds)) * begun;
+        }
+        passed_on *= q16(axis->passed[i]);
     }
     for (uint32_t i = 0; i < axis->count; i++) {
         if (axis->mode[i].frequency != 0) {
@@ -234,7 +240,9 @@ struct linear_axis {
     double voltage[MODES_MAX]; /* 1, or 0 for the second of a pair */
     double current[MODES_MAX]; /* A/V */
     double step[2][MODES_MAX];
-    double volts; /* of steady motion, a unit of speed */
+    bool passed[MODES_MAX]; /* on to the next, in the table */
+    double unit[MODES_MAX]; /* of the table, V */
+    double volts;           /* of steady motion, a unit of speed */
     double amperes;
     double form[MODES_MAX][MODES_MAX]; /* P */
     double linear[MODES_MAX];          /* h */
@@ -308,6 +316,7 @@ static void add_mode(struct linear_axis *axis, double decay, double frequency, b
     axis->current[i] = uniform(-0.3, 0.3);
     axis->step[0][i] = uniform(-12, 12);
     axis->step[1][i] = uniform(-12, 12);
+    axis->unit[i] = 1;
 }
 
 static void add_random(struct linear_axis *axis, double slowest, double fastest, int modes)
@@ -324,34 +333,68 @@ static void add_random(struct linear_axis *axis, double slowest, double fastest,
     }
 }
 
+/* Some real modes of the table in sums, and in other units. */
+static void sum_some(struct linear_axis *axis)
+{
+    for (int i = 0; i < axis->lasting; i++) {
+        axis->unit[i] = axis->frequency[i] == 0 ? exp2(-(double)(random_word() % 3U)) : 1;
+        axis->passed[i] =
+            i + 1 < axis->lasting && axis->frequency[i] == 0 && axis->frequency[i + 1] == 0 && random_word() % 4U != 0;
+    }
+}
+
 static struct linear_axis random_axis(void)
 {
     struct linear_axis axis = {.volts = uniform(1, 8), .amperes = uniform(0.1, 1)};
     add_random(&axis, 0.3, 8, (int)(random_word() % (JP_AXIS_MODES + 1)));
     axis.lasting = axis.modes;
+    sum_some(&axis);
     add_random(&axis, 40, 150, MODES_MAX - JP_AXIS_MODES);
     store(&axis);
     return axis;
+}
+
+/* What a mode of the table adds to a number that the modes add up to: a mode that is passed on takes the next one's
+ * away. */
+static double of_sum(const struct linear_axis *axis, const double *of_mode, int i)
+{
+    return axis->unit[i] * (of_mode[i] - (axis->passed[i] ? of_mode[i + 1] : 0));
+}
+
+static double form_of_sums(const struct linear_axis *axis, int i, int k)
+{
+    double row[MODES_MAX] = {0};
+    for (int l = 0; l < axis->lasting; l++) {
+        row[l] = of_sum(axis, axis->form[l], k);
+    }
+    return of_sum(axis, row, i);
 }
 
 static void make_table(const struct linear_axis *axis, struct jp_axis_modes *table)
 {
     int32_t *storage = table->storage;
     *table = (struct jp_axis_modes){.count = (uint32_t)axis->lasting};
+    for (int s = 0; s < 2; s++) {
+        double cross[MODES_MAX] = {0};
+        double step = 0;
+        for (int i = 0; i < axis->lasting; i++) {
+            for (int k = 0; k < axis->modes; k++) {
+                cross[i] += 2 * axis->form[i][k] * axis->step[s][k];
+            }
+        }
+        for (int i = 0; i < axis->lasting; i++) {
+            step = axis->step[s][i] + (i > 0 && axis->passed[i - 1] ? step : 0);
+            table->step[s][i] = to_q16(step / axis->unit[i]);
+            table->cross[s][i] = to_q16(of_sum(axis, cross, i));
+        }
+    }
     for (int i = 0; i < axis->lasting; i++) {
         table->mode[i].decay = to_q24(axis->decay[i] / log(2));
         table->mode[i].frequency = to_q24(axis->frequency[i] / (2 * PI));
-        table->steady[i] = to_q16(axis->linear[i]);
-        for (int s = 0; s < 2; s++) {
-            double cross = 0;
-            for (int k = 0; k < axis->modes; k++) {
-                cross += 2 * axis->form[i][k] * axis->step[s][k];
-            }
-            table->step[s][i] = to_q16(axis->step[s][i]);
-            table->cross[s][i] = to_q16(cross);
-        }
+        table->passed[i] = axis->passed[i] ? to_q16(axis->unit[i] / axis->unit[i + 1]) : 0;
+        table->steady[i] = to_q16(of_sum(axis, axis->linear, i));
         for (int k = i; k < axis->lasting; k++) {
-            *storage++ = (int32_t)lround((k > i ? 2 : 1) * axis->form[i][k] * 268435456.0);
+            *storage++ = (int32_t)lround((k > i ? 2 : 1) * form_of_sums(axis, i, k) * 268435456.0);
         }
     }
 }
@@ -555,6 +598,8 @@ static void draw_any_axis(struct jp_axis_modes *axis)
             axis->mode[i].frequency = 1 + (int32_t)(random_word() >> (2 + random_word() % 30));
             axis->mode[i + 1] = axis->mode[i];
             i++;
+        } else if (i > 0 && axis->mode[i - 1].frequency == 0) {
+            axis->passed[i - 1] = any(JP_Q16(2048)) + JP_Q16(2048);
         }
     }
     for (int i = 0; i < JP_AXIS_MODES * (JP_AXIS_MODES + 1) / 2; i++) {

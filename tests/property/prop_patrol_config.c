@@ -131,6 +131,7 @@ static const struct link patrol_links[] = {
     {"people.acceleration", "people.acceleration_m_s2", 1},
     {"people.rest", "people.rest_s", 1},
     {"people.stays", "people.stays_s", 1},
+    {"price.worth", "turning.second_w", 1},
     {"glide_clearance", "turning.glide_clearance_m", 1},
     {"turn_first", "turning.from_deg", 1 / DEGREES},
     {"turn_rate", "turning.rate_rad_s", 1},

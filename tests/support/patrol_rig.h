@@ -59,7 +59,7 @@ static inline struct jp_patrol_config rig_config(void)
         .movers = {.extent = 0.9f, .range = 8.0f, .speed_min = 0.3f, .speed_max = 2.0f, .margin = 0.2f},
         .people = {.clearance = 0.3f, .braking = 1.0f, .acceleration = 2.0f, .rest = 1.0f, .stays = 6.0f},
         .turns_in_place = true,
-        .price = {.second = 35.0f, .turning = 3.0f, .steering = 9.0f},
+        .price = {.second = 35.0f, .worth = 10.0f, .turning = 3.0f, .steering = 9.0f},
         .glide_clearance = 0.1f,
         .turn_first = 0.5f,
         .turn_rate = 1.0f,

@@ -1,4 +1,5 @@
 """horizon.py and closed_loop.py: the committed tables, the loop against the firmware's steps, bad input."""
+import dataclasses
 import json
 import math
 import re
@@ -10,6 +11,7 @@ from test_energy_unit import similar
 from test_gain_design import changed
 
 from tools.design import closed_loop, energy_unit, horizon, linear_model, robot_json
+from tools.measure import random_robots
 
 DEFINITIONS = (closed_loop.MOTOR, closed_loop.BATTERY)
 
@@ -29,7 +31,9 @@ def integers(text):
 
 def read_table(path, exponent=0):
     """The table of each axis as the firmware has it, in joules of units of 2^exponent J, and in its modes' own units."""
-    numbers, unit = iter(integers(path.read_text())), 2.0**exponent
+    text = path.read_text()
+    numbers, unit = iter(integers(text)), 2.0**exponent
+    has_sums = iter(".passed" in part for part in text.split(".count")[1:])
 
     def take(count, scale):
         return np.array([next(numbers) for _ in range(count)]) / scale
@@ -37,17 +41,18 @@ def read_table(path, exponent=0):
     def axis(steps):
         count = int(take(1, 1)[0])
         modes = take(2 * count, 2.0**24).reshape(count, 2)
+        passed = take(count, 2.0**16) if next(has_sums) else np.zeros(count)
         step = np.zeros((2, count))
         step[:steps] = take(steps * count, 2.0**16).reshape(steps, count)
         storage = np.zeros((count, count))
         storage[np.triu_indices(count)] = take(count * (count + 1) // 2, 2.0**28 / unit)
         cross = np.zeros((2, count))
         cross[:steps] = take(steps * count, 2.0**16 / unit).reshape(steps, count)
-        return horizon.Table(modes[:, 0] * math.log(2), modes[:, 1] * math.tau, step, (storage + storage.T) / 2, cross,
+        return horizon.Table(modes[:, 0] * math.log(2), modes[:, 1] * math.tau, passed, step, (storage + storage.T) / 2, cross,
                              take(count, 2.0**16 / unit))
 
     assert take(1, 2.0**16)[0] == horizon.DURATION_MIN
-    assert 0 < take(1, 2.0**16)[0] < 10  # s of rest between two directions
+    assert 0 < take(1, 2.0**16)[0] < 60  # s of rest between two directions
     tables = axis(1), axis(2)
     assert next(numbers, None) is None
     return tables
@@ -70,7 +75,8 @@ def states_after(axis, state, ticks):
 
 
 def drive_ticks(axis, definition, resistance, segments, level):
-    """Energy of each segment, J: the loop's voltages and currents of all ticks, added up."""
+    """Of each segment, J: energy, the loop's voltages and currents of all ticks added up; and what is turned over, taken and
+    given back."""
     state, before, energies = np.zeros(axis.size), 0.0, []
     for segment in segments:
         speed, turn = segment[level], segment[2] * level
@@ -80,8 +86,9 @@ def drive_ticks(axis, definition, resistance, segments, level):
         volts = states @ axis.voltage + axis.volts_per_unit * speed
         amperes = (states @ axis.current + axis.amperes_per_unit * speed if definition == closed_loop.BATTERY
                    else volts / resistance)
-        energies.append(2 * volts @ amperes / axis.rate_hz)
-    return np.array(energies)
+        powers = 2 * volts * amperes / axis.rate_hz
+        energies.append((powers.sum(), np.abs(powers).sum()))
+    return np.array(energies).T
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -98,15 +105,15 @@ def test_committed_tables_are_what_the_tool_makes(name, tmp_path):
 def expect_forecasts(robot, definition, tables):
     """The energy of all ticks, by tables that were read."""
     resistance = robot.positive("motor.resistance_ohm")
-    segments = horizon.random_segments(robot, 20, seed=11)
-    exact, forecast = segments[:, 3] * robot.positive("electronics.power_w"), 0.0
+    segments = horizon.random_segments(robot, 60, seed=11)
+    turnover, missed = segments[:, 3] * robot.positive("electronics.power_w"), 0.0
     for axis, table, level in zip(closed_loop.axes(robot), tables, (0, 1)):
         chain = horizon.TableChain(axis, closed_loop.energy(axis, definition, resistance), table)
-        ticks = drive_ticks(axis, definition, resistance, segments, level)
-        exact = exact + ticks
-        forecast = forecast + np.array([chain.drive(s[level], s[2] * level, s[3]) for s in segments]) - ticks
-    assert np.abs(forecast / exact).max() <= 2 * horizon.USUAL_ERROR_MAX
-    assert np.abs(forecast / exact).mean() <= horizon.MEAN_ERROR_MAX
+        ticks, turned_over = drive_ticks(axis, definition, resistance, segments, level)
+        turnover = turnover + turned_over
+        missed = missed + np.array([chain.drive(s[level], s[2] * level, s[3]) for s in segments]) - ticks
+    assert np.abs(missed / turnover).max() <= 2 * horizon.USUAL_ERROR_MAX
+    assert np.abs(missed / turnover).mean() <= horizon.MEAN_ERROR_MAX
 
 
 @pytest.mark.parametrize("definition", DEFINITIONS)
@@ -159,6 +166,43 @@ def test_modes_that_cost_much_have_units_of_their_own(tmp_path):
     expect_forecasts(robot, closed_loop.BATTERY, read_table(tmp_path / "horizon_courier24_battery.c"))
 
 
+# Of random_robots.py: decays within 10 % of each other whose amplitudes are beyond the format; and a slow mode that takes
+# energy though it adds hardly any voltage.
+ALIKE = [7003, 7025, 7046]
+SLOW = [7043]
+
+
+@pytest.mark.parametrize("seed", ALIKE + SLOW)
+def test_robots_whose_modes_are_alike_get_tables(seed, tmp_path):
+    source = tmp_path / f"random{seed}.cfg"
+    source.write_text(random_robots.robot_file(random_robots.draw(seed)))
+    result = run_tool("design.horizon", source, "--jp-robot", JP_ROBOT, "--tables", tmp_path, "--pictures", tmp_path)
+    assert result.returncode == 0, result.stderr
+    robot = robot_json.load(source, JP_ROBOT)
+    for definition, suffix in horizon.SUFFIXES.items():
+        tables = read_table(tmp_path / f"horizon_random{seed}{suffix}.c", energy_unit.exponent(robot))
+        expect_forecasts(robot, definition, tables)
+        assert seed in SLOW or any(table.passed.any() for table in tables)
+
+
+def test_sums_of_modes_move_as_the_modes_do():
+    """The same axis by its modes and by their sums."""
+    robot = robot_of("courier24")
+    for axis in closed_loop.axes(robot):
+        modes = horizon.modes_of(robot, axis)
+        real = modes.frequency == 0
+        passed = np.append(real[:-1] & real[1:], False).astype(float)
+        sums = np.eye(len(real))
+        for k in np.flatnonzero(passed):
+            sums[k + 1] += sums[k]
+        energy = closed_loop.energy(axis, closed_loop.MOTOR, robot.positive("motor.resistance_ohm"))
+        plain = horizon.table_of(axis, modes, energy)
+        summed = dataclasses.replace(plain, passed=passed)
+        start = np.random.default_rng(1).normal(size=len(real))
+        for seconds in (0, 0.3, 2):
+            assert horizon.moved(summed, sums @ start, seconds) == pytest.approx(sums @ horizon.moved(plain, start, seconds))
+
+
 @pytest.mark.parametrize("limit, value", [("STEP_MAX", 40), ("TRANSIENT_MAX", 60)])
 def test_modes_that_move_far_have_units_of_their_own(limit, value, tmp_path, monkeypatch):
     monkeypatch.setattr(horizon, limit, value)
@@ -182,7 +226,7 @@ def test_stored_energy_is_what_a_transient_spends(name, definition):
         energy = closed_loop.energy(axis, definition, resistance)
         start = axis.jump(0.8, 0.5)
         seconds = 300.0
-        spent = drive_ticks(axis, definition, resistance, [(0.8, 0.8, 0.5, seconds)], 0 if axis.name == "travel" else 1)
+        spent, _ = drive_ticks(axis, definition, resistance, [(0.8, 0.8, 0.5, seconds)], 0 if axis.name == "travel" else 1)
         assert energy.stored(start, 0.8) + energy.power * 0.64 * seconds == pytest.approx(spent[0], rel=1e-6)
 
 

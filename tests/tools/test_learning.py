@@ -104,7 +104,7 @@ def test_driving_agrees_with_the_horizon_tool(courier24):
         expected = np.zeros(len(segments))
         for axis, speed, turn in zip(axes, (segments.speed, segments.turn_rate), (0 * segments.turn, segments.turn)):
             chain = horizon.Chain(axis, closed_loop.energy(axis, definition, resistance))
-            expected += [chain.drive(*step) for step in zip(speed, turn, segments.seconds)]
+            expected += [sum(chain.drive(*step)) for step in zip(speed, turn, segments.seconds)]
         assert energies == pytest.approx(expected, rel=1e-9, abs=1e-9)
         assert transients[0] != 0  # what the first segment leaves behind is not its own cost
 

@@ -19,17 +19,19 @@ from tools.design import c_tables, closed_loop, energy_unit, linear_model, rever
 from tools.report import plots
 
 DURATION_MIN = 0.5  # s; the shortest segment
-MODES_MAX = 8       # JP_AXIS_MODES
+MODES_MAX = 9       # JP_AXIS_MODES
 
-# A mode is left out of which the shortest segment leaves less than this share, or which adds less than this share of the
-# voltage of a step.
+# A mode is left out of which the shortest segment leaves less than this share; or which adds less than this share of the
+# voltage of a step, and of its energy less than half of what is allowed: a slow one of little voltage has time to take it.
 GONE = 1e-4
 
-# Beyond it modes are so alike that their amplitudes cancel.
+# Real modes whose decays are within this factor have amplitudes that nearly cancel: where they fit no format they are kept as
+# sums. Beyond the other bound nothing tells modes apart.
+ALIKE = 1.5
 CONDITION_MAX = 1e5
 
-# Of a segment's energy, electronics included: rounded tables against the whole linear loop, mean, of 99 % of the segments
-# and largest. The largest is of a segment that gives back about as much as it takes.
+# Of the energy that a segment turns over, electronics included: rounded tables against the whole linear loop, mean, of 99 % of
+# the segments and largest. Not of what is left of it: a heavy robot may give back as much as it takes.
 MEAN_ERROR_MAX, USUAL_ERROR_MAX, ERROR_MAX = 2e-4, 2e-3, 2e-2
 USUAL_PERCENTILE = 99
 CHECK_SEGMENTS = 2000
@@ -38,7 +40,7 @@ PICTURE_MIN = 1e-5  # %
 LONGEST = 10.0  # s
 
 # The formats of include/joulepath/horizon.h.
-STEP_MAX, STORAGE_MAX, SHARE_MAX, TRANSIENT_MAX = 512, 8, 4096, 4096
+STEP_MAX, STORAGE_MAX, SHARE_MAX, TRANSIENT_MAX, PASSED_MAX = 512, 8, 4096, 4096, 4096
 STEP_BITS, STORAGE_BITS, SHARE_BITS = 16, 28, 16
 
 # Of a mode's storage, with itself and with others, which is doubled in the table.
@@ -55,6 +57,7 @@ class Modes:
     frequency: np.ndarray   # rad/s
     from_state: np.ndarray  # m = from_state e
     to_state: np.ndarray    # what m is of e
+    passed: np.ndarray      # 1: the next holds its own amplitude and what is in this one; 0: it does not
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,7 @@ class Table:
     """One axis of struct jp_horizon in SI units; steps and cross: rows for v or w, and for σ."""
     decay: np.ndarray
     frequency: np.ndarray
+    passed: np.ndarray
     step: np.ndarray
     storage: np.ndarray  # symmetric
     cross: np.ndarray
@@ -73,6 +77,11 @@ class Units:
     """What the numbers of an axis are counted in: energies in 2^energy J, each mode in 2^-mode V."""
     energy: int
     mode: np.ndarray
+
+    @property
+    def passed(self):
+        """What one of a mode is of its successor's."""
+        return 2.0**np.append(np.diff(self.mode), 0)
 
     @property
     def step_bits(self):
@@ -93,49 +102,89 @@ def _pole(rate):
 
 
 def _components(axis, value, right, left):
-    """(from_state, to_state) of a mode whose first component is what it adds to the voltage: one, or two of a pair."""
+    """(from_state, to_state) of a mode whose first component is what it adds to the voltage: one, or two of a pair. Of one
+    that adds next to nothing it is some multiple of it."""
     amplitude = axis.voltage @ right
+    amplitude = amplitude if abs(amplitude) > 1 / CONDITION_MAX else 1 / CONDITION_MAX
     covector, vector = left.conj() * amplitude / (left.conj() @ right), right / amplitude
     if value.imag == 0:
         return [(covector.real, vector.real)]
     return [(2 * covector.real, vector.real), (2 * covector.imag, -vector.imag)]
 
 
+def _steps(axis):
+    return np.array([axis.jump(1, 0), axis.jump(0, 1)])
+
+
+def _noticed(axis, energies):
+    """Whether a mode (from_state, to_state) adds enough to be kept: voltage, or energy by any definition."""
+    steps, linear = _steps(axis), np.column_stack([energy.linear for energy in energies])
+    volts, joules = GONE * np.abs(steps @ axis.voltage), USUAL_ERROR_MAX / 2 * np.abs(steps @ linear)
+
+    def noticed(from_state, to_state):
+        amplitudes = np.abs(steps @ from_state)
+        return np.any(amplitudes > volts) or np.any(np.outer(amplitudes, np.abs(to_state @ linear)) > joules)
+    return noticed
+
+
 def modes_of(robot, axis):
+    resistance = robot.positive("motor.resistance_ohm")
+    energies = [closed_loop.energy(axis, definition, resistance) for definition in SUFFIXES]
     values, left, right = linalg.eig(axis.matrix, left=True)
     lasting = np.abs(values) > GONE**(1 / (DURATION_MIN * axis.rate_hz))
     rates = np.log(values[lasting].astype(complex)) * axis.rate_hz
     components = []  # (decay, frequency, from_state, to_state)
-    steps = np.array([axis.jump(1, 0), axis.jump(0, 1)])
-    least = GONE * np.abs(steps @ axis.voltage)
+    noticed = _noticed(axis, energies)
     for k in sorted(range(len(rates)), key=lambda k: -rates[k].real):
         vector, covector = right[:, lasting][:, k], left[:, lasting][:, k]
-        if not abs(covector.conj() @ vector) > 1 / CONDITION_MAX or abs(axis.voltage @ vector) < 1 / CONDITION_MAX:
-            raise robot.error("control", f"{axis.name}: the mode at {_pole(rates[k])} cannot be told from others or from "
-                                         "the voltage; change the shaping or the weights")
+        if not abs(covector.conj() @ vector) > 1 / CONDITION_MAX:
+            raise robot.error("control", f"{axis.name}: the mode at {_pole(rates[k])} cannot be told from others; change the "
+                                         "shaping or the weights")
         mode = [(-rates[k].real, rates[k].imag, *rows)
                 for rows in _components(axis, values[lasting][k], vector, covector)]
-        if rates[k].imag >= 0 and np.any(np.abs([steps @ rows[2] for rows in mode]) > least):
+        if rates[k].imag >= 0 and any(noticed(*rows[2:]) for rows in mode):
             components += mode
     if len(components) > MODES_MAX:
         raise robot.error("control", f"{axis.name}: {len(components)} modes last longer than {DURATION_MIN:g} s, the "
                                      f"tables hold {MODES_MAX}")
-    return Modes(*(np.array(column) for column in zip(*components)))
+    modes = Modes(*(np.array(column) for column in zip(*components)), np.zeros(len(components)))
+    return _summed(modes, _cancelling(axis, modes, energies, 2.0**energy_unit.exponent(robot)))
+
+
+def _cancelling(axis, modes, energies, unit):
+    """Real ones whose amplitude and storage, J of this unit, fit together in no unit of theirs, but for a factor of 2."""
+    amplitudes = np.abs(modes.from_state @ _steps(axis).T).max(axis=1)
+    storage = np.max([np.abs(modes.to_state @ energy.form @ modes.to_state.T).max(axis=1) for energy in energies], axis=0)
+    return (amplitudes * np.sqrt(storage / unit) > STEP_MAX * math.sqrt(OWN_STORAGE_MAX) / 2) & (modes.frequency == 0)
+
+
+def _summed(modes, cancelling):
+    """The same with sums of neighbours that are alike and cancel."""
+    passed, sums = np.zeros(len(modes.decay)), np.eye(len(modes.decay))
+    for k in range(len(passed) - 1):
+        if cancelling[k] and cancelling[k + 1] and modes.decay[k + 1] < ALIKE * modes.decay[k]:
+            passed[k] = 1
+            sums[k + 1] += sums[k]
+    return Modes(modes.decay, modes.frequency, sums @ modes.from_state, np.linalg.solve(sums.T, modes.to_state), passed)
 
 
 def table_of(axis, modes, energy):
-    steps = np.array([axis.jump(1, 0), axis.jump(0, 1)])
-    return Table(modes.decay, modes.frequency, steps @ modes.from_state.T,
+    steps = _steps(axis)
+    return Table(modes.decay, modes.frequency, modes.passed, steps @ modes.from_state.T,
                  modes.to_state @ energy.form @ modes.to_state.T, 2 * steps @ energy.form @ modes.to_state.T,
                  modes.to_state @ energy.linear)
 
 
 def _largest_transients(robot, axis, table):
-    """V, of each mode in the shortest segments that the robot may drive."""
+    """V, of each mode whatever the robot drives. Speeds are bounded, so that steps of them take each other back: a mode
+    reaches the greatest speed times its first value and the whole way that it then goes. Turns of every segment may add up."""
     travel = axis.name == "travel"
-    speed = 2 * robot.positive("limits.speed_m_s" if travel else "limits.turn_rate_rad_s")
+    speed = robot.positive("limits.speed_m_s" if travel else "limits.turn_rate_rad_s")
     turn = 0 if travel else math.radians(robot.number("limits.turn_deg"))
-    return np.abs(table.step).T @ [speed, turn] / -np.expm1(-table.decay * DURATION_MIN)
+    amplitudes = np.array([np.hypot.reduce(table.step[:, pair], axis=1) for pair in _pairs(table.frequency)
+                           for _ in range(pair.start, pair.stop)]).T
+    there_and_back = 1 + np.hypot(1, table.frequency / table.decay)
+    return speed * amplitudes[0] * there_and_back + turn * amplitudes[1] / -np.expm1(-table.decay * DURATION_MIN)
 
 
 def _pairs(frequency):
@@ -163,7 +212,8 @@ def units_of(robot, axis, table, energy):
 
 
 class Chain:
-    """Energy of chained segments, J and without electronics, by the whole linear loop."""
+    """Energy of chained segments, J and without electronics, by the whole linear loop: (of the transients, of steady
+    motion)."""
 
     def __init__(self, axis, energy):
         self._axis, self._energy = axis, energy
@@ -174,8 +224,8 @@ class Chain:
         ticks = round(seconds * self._axis.rate_hz)
         self._state = np.linalg.matrix_power(self._axis.matrix, ticks) @ start
         self._speed = speed
-        return (energy.stored(start, speed) - energy.stored(self._state, speed)
-                + energy.power * speed**2 * ticks / self._axis.rate_hz)
+        return (energy.stored(start, speed) - energy.stored(self._state, speed),
+                energy.power * speed**2 * ticks / self._axis.rate_hz)
 
 
 class TableChain:
@@ -199,7 +249,11 @@ class TableChain:
 
 def moved(table, modes, seconds):
     """The modes after that time."""
-    left = modes * np.exp(-table.decay * seconds)
+    shares = np.exp(-table.decay * seconds)
+    left, pushed = modes * shares, 0.0
+    for k in range(len(left) - 1):
+        pushed = table.passed[k] * (pushed + (shares[k] - shares[k + 1]) * modes[k])
+        left[k + 1] += pushed
     turned, k = left.copy(), 0
     while k < len(left):
         if table.frequency[k] == 0:
@@ -223,17 +277,17 @@ def random_segments(robot, count, seed):
 
 
 def errors_of(robot, axes, energies, tables):
-    """Share of each segment's energy by which tables miss the whole linear loop."""
+    """Share of what each segment turns over by which tables miss the whole linear loop."""
     segments = random_segments(robot, CHECK_SEGMENTS, CHECK_SEED)
-    exact, rounded = segments[:, 3] * robot.positive("electronics.power_w"), np.zeros(len(segments))
+    turnover, missed = segments[:, 3] * robot.positive("electronics.power_w"), np.zeros(len(segments))
     for axis, energy, table, level in zip(axes, energies, tables, (0, 1)):
         whole, short = Chain(axis, energy), TableChain(axis, energy, table)
         for k, segment in enumerate(segments):
             step = segment[level], segment[2] * level, segment[3]
-            energy_of_segment = whole.drive(*step)
-            exact[k] += energy_of_segment
-            rounded[k] += short.drive(*step) - energy_of_segment
-    return np.abs(rounded / exact)
+            transient, steady = whole.drive(*step)
+            turnover[k] += abs(transient) + steady
+            missed[k] += short.drive(*step) - (transient + steady)
+    return np.abs(missed / turnover)
 
 
 def rounded(table, units):
@@ -244,7 +298,7 @@ def rounded(table, units):
     storage = np.where(np.eye(len(table.decay)), 1, 2) * table.storage
     storage = to(storage, units.storage_bits) / np.where(np.eye(len(table.decay)), 1, 2)
     return Table(to(table.decay / math.log(2), 24) * math.log(2), to(table.frequency / math.tau, 24) * math.tau,
-                 to(table.step, units.step_bits), storage, to(table.cross, units.share_bits),
+                 table.passed, to(table.step, units.step_bits), storage, to(table.cross, units.share_bits),
                  to(table.steady, units.share_bits))
 
 
@@ -265,6 +319,8 @@ def _axis_group(to, axis, table, units):
     def column(name, members):
         return c_tables.Array(name, [m.value for m in members], [m.comment for m in members])
 
+    passed = [to.q16(f"{axis.name}.passed[{k}]", value, "", 0, PASSED_MAX)
+              for k, value in enumerate(table.passed * units.passed)]
     modes, storage = [], []
     for k, (decay, frequency) in enumerate(zip(table.decay, table.frequency)):
         halvings = to.q24(f"{axis.name}.mode[{k}].decay", decay / math.log(2), "halvings/s", 2**-24, 127)
@@ -278,6 +334,7 @@ def _axis_group(to, axis, table, units):
     return c_tables.Group(axis.name, [
         to.whole("count", count, "", 0, MODES_MAX),
         c_tables.Array("mode", *map(list, zip(*modes))),
+        *([column("passed", passed)] if table.passed.any() else []),
         rows("step", table.step, units.step_bits, steps, STEP_MAX, STEP_BITS),
         column("storage", storage),
         rows("cross", table.cross, units.share_bits, crosses, SHARE_MAX, SHARE_BITS),
@@ -328,7 +385,7 @@ def draw(robot, errors):
     for bar, share in ((USUAL_ERROR_MAX, USUAL_PERCENTILE), (ERROR_MAX, 100)):
         axes.plot(100 * bar, share, "v", color=plots.RED, clip_on=False, zorder=3,
                   label=f"bar: {share} % within {100 * bar:g} %")
-    axes.set(xscale="log", xlim=(PICTURE_MIN, None), ylim=(0, 100), xlabel="error of a segment's energy, %",
+    axes.set(xscale="log", xlim=(PICTURE_MIN, None), ylim=(0, 100), xlabel="error of what a segment turns over, %",
              ylabel="segments within it, %",
              title=f"Transients of {robot.name}: tables against the whole linear loop, {CHECK_SEGMENTS} segments")
     axes.legend(loc="upper left")

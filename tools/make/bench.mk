@@ -173,6 +173,12 @@ bench-goals: ## measure the patrol robot to 200 random goals on each map of othe
 	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_goals $(LOCALISE_MAPS)
 	$(BUILD)/bench/bench_goals $(LOCALISE_MAPS) >$(BUILD)/bench/bench_goals.json
 
+.PHONY: bench-patrol-plans
+bench-patrol-plans: ## measure what planning by joules brings the patrol robot beside planning by length, driven on maps of others
+	@tools/setup.sh test
+	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_patrol_plans $(LOCALISE_MAPS)
+	$(BUILD)/bench/bench_patrol_plans $(LOCALISE_MAPS) >$(BUILD)/bench/bench_patrol_plans.json
+
 .PHONY: bench-skid-drive
 bench-skid-drive: ## measure what plans of the skid-steered robot take when they are driven over the 20 scenes (4 minutes)
 	@tools/setup.sh test
@@ -225,7 +231,7 @@ bench-skid-bus: ## drive 10 000 random missions of robots that their sides steer
 ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
 
 # Property tests at bench length.
-PROPERTIES := battery battery_filter cells fixed four_wheel four_wheel_plant grid_planner horizon planner planner_memory pure_pursuit scan_match segment skid_changes skid_energy skid_odometry skid_plans skid_plant skid_robot store teb
+PROPERTIES := battery battery_filter cells fixed four_wheel four_wheel_plant grid_planner grid_prices horizon planner planner_memory pure_pursuit scan_match segment skid_changes skid_energy skid_odometry skid_plans skid_plant skid_robot store teb
 ARGS.battery          = --count 100000000
 ARGS.battery_filter   = --count 400 --seed 20261126
 ARGS.cells            = --count 200 --seed 20261126
@@ -233,6 +239,7 @@ ARGS.fixed            = --count 4294967296
 ARGS.four_wheel       = --count 1000000
 ARGS.four_wheel_plant = --count 1000
 ARGS.grid_planner     = --count 4000
+ARGS.grid_prices      = --count 4000 --seed 20261126
 ARGS.horizon          = --count 1000
 ARGS.planner          = --count 100000
 ARGS.planner_memory   = --count 1200

@@ -15,7 +15,7 @@ DRIVERS        := $(filter-out $(addprefix hal/stm32f4/,vectors.c main.c),$(STM3
 SIM            := $(filter-out sim/programs/% sim/page/%,$(wildcard sim/*/*.c)) $(wildcard hal/linux/*.c)
 SUPPORT        := $(filter-out %/stm32_fake.c,$(wildcard tests/support/*.c))
 PROGRAMS       := $(patsubst sim/programs/%.c,$(BUILD)/bin/%,$(wildcard sim/programs/jp-*.c))
-BENCHES        := $(filter-out bench_cuts bench_goals bench_joules bench_localise bench_plan bench_maps bench_patrol bench_patrol_round bench_pursuit bench_restart bench_skid_bus bench_skid_drive,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))
+BENCHES        := $(filter-out bench_cuts bench_goals bench_joules bench_localise bench_plan bench_maps bench_patrol bench_patrol_plans bench_patrol_round bench_pursuit bench_restart bench_skid_bus bench_skid_drive,$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/bench_*.c)))
 # What needs more memory than a microcontroller has runs where a board adds it.
 LARGE_BENCHES  := target_return_map
 TARGET_BENCHES := $(filter-out $(LARGE_BENCHES),$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/target_*.c)))

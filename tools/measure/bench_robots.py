@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Robots that nobody has seen, from their data sheets alone: which can balance, do they drive, and as was foretold?
 
-Each is drawn by random_robots.py, designed without a setting of its own, leant and pushed; its energy is identified, and it
-drives a random route before it has learned anything. A robot that is refused must be refused by its physics. Prints a table and writes
+Each is drawn by random_robots.py, designed without a setting of its own, leant and pushed; its energy is identified, tables of
+its transients are made, and it drives a random route before it has learned anything. A robot that is refused must be refused by its physics. Prints a table and writes
 figures and tables for figures.py. Exit status 2: a program failed; nothing was written.
 """
 import json
@@ -59,6 +59,7 @@ def tried(folder, robot_file, data, seed):
     robot_trials.experiment(identify, robot_file, robot_json.load(robot_file), found["standing_voltage_rms_v"],
                             folder / "identify", *EXPERIMENTS)
     robot_trials.identify(robot_file, closed_loop.MOTOR, folder / "identify", folder / "tables")
+    robot_trials.tool("horizon", robot_file, "--tables", folder / "tables", "--pictures", folder)
     mission, = robot_trials.build(folder, "jp-mission")
     drive = robot_trials.drive(mission, robot_file, folder, seed)
     return Result(seed, "", True, found["lean_deg"], found["push_n_s"] / mass_of(data), 100 * abs(drive.error),

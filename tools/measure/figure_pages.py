@@ -66,7 +66,7 @@ SECTIONS = (
             "its planner on the scenes cut to its map.", r"image|image_ticks|bench_cuts"),
     Section("The page in the browser", "In Chromium without a window; drives to their ends, beside the same C compiled for this "
             "machine.", r"page"),
-    Section("Grid planner", "Shortest paths over occupancy grids.", r"bench_grid|grid_planner"),
+    Section("Grid planner", "Paths over occupancy grids, shortest or of least joules.", r"bench_grid|grid_planner|grid_prices"),
     Section("Segments of any length", "Predicted against driven energy.", r"bench_horizon|horizon"),
     Section("Learner", "Error of the predicted energy after so many segments.", r"bench_learner"),
     Section("Campaign", "Robots that differ from their file, each on a mission of its own.", r"campaign"),
@@ -88,7 +88,7 @@ SECTIONS = (
     Section("Battery", "Batteries of a cell's data sheet, drawn by the rule in tests/bench/bench_battery.c: the filter knows "
             "the data sheet alone.", r"bench_battery|battery(_filter)?|cells"),
     Section("Controller", "", r"bench_controller"),
-    Section("The patrol robot", "", r"bench_(patrol|patrol_round|joules|goals)|patrol_energy"),
+    Section("The patrol robot", "", r"bench_(patrol|patrol_plans|patrol_round|joules|goals)|patrol_energy"),
     Section("The patrol robot by scene", "Improved band / plain band / pure pursuit. Pursuit has arrived at the goal "
             "whatever its heading. Times and energies are the means of those that arrived.", blocks=("patrol",)),
     Section("Skid steer, driven", "Plans on the 20 scenes, driven in closed loop over their hills; energies by the plant's "

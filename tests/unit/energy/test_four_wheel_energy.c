@@ -348,3 +348,56 @@ static void test_scaling_keeps_the_ranges(void)
     jp_four_wheel_energy_scale(&config, least, &scaled);
     TEST_ASSERT_EQUAL_INT32(JP_Q16_ONE, scaled.weight);
 }
+
+/* ---- A metre ---- */
+
+static jp_q16 metre_at(jp_q24 speed, jp_q24 grade)
+{
+    jp_q16 joules = -1;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_energy_metre(&config, speed, grade, &joules));
+    return joules;
+}
+
+/* Each wheel pushes with 0.01 of the weight: 20 W and 0.4 W in its windings; by a grade with a quarter of that more, or
+ * less: then all brake. */
+static void test_a_metre(void)
+{
+    TEST_ASSERT_INT32_WITHIN(TOLERANCE, JP_Q16(101.6), metre_at(JP_Q24_ONE, 0));
+    TEST_ASSERT_INT32_WITHIN(TOLERANCE, JP_Q16(319.6), metre_at(JP_Q24_ONE, JP_Q24(0.1)));
+    TEST_ASSERT_INT32_WITHIN(TOLERANCE, JP_Q16(-9.1), metre_at(JP_Q24_ONE, -JP_Q24(0.1)));
+    /* At half the speed the wheels push with 0.0075, for two seconds. */
+    TEST_ASSERT_INT32_WITHIN(TOLERANCE, JP_Q16(40 + 8 * (7.5 + 0.225)), metre_at(JP_Q24(0.5), 0));
+}
+
+static void test_a_metre_is_in_joules_in_every_unit(void)
+{
+    for (int32_t exponent = -4; exponent <= 4; exponent++) {
+        config = round_numbers;
+        config.unit_exponent = exponent;
+        TEST_ASSERT_INT32_WITHIN(16 * TOLERANCE, JP_Q16(101.6), metre_at(JP_Q24_ONE, 0));
+    }
+}
+
+static void test_a_metre_arguments(void)
+{
+    jp_q16 joules = 7;
+
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_energy_metre(NULL, JP_Q24_ONE, 0, &joules));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_energy_metre(&config, JP_Q24_ONE, 0, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_energy_metre(&config, JP_Q24(1.0 / 256) - 1, 0, &joules));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_energy_metre(&config, JP_Q24(8) + 1, 0, &joules));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_energy_metre(&config, JP_Q24_ONE, JP_Q24_ONE + 1, &joules));
+    TEST_ASSERT_EQUAL_INT32(7, joules);
+    TEST_ASSERT_TRUE(metre_at(JP_Q24(1.0 / 256), 0) > JP_Q16(5120));
+    TEST_ASSERT_TRUE(metre_at(JP_Q24(8), -JP_Q24_ONE) < 0);
+}
+
+static void test_a_metre_beyond_its_format(void)
+{
+    jp_q16 joules = 0;
+
+    config = greatest;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_four_wheel_energy_metre(&config, JP_Q24_ONE, JP_Q24_ONE, &joules));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, joules);
+}

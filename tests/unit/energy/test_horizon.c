@@ -392,6 +392,101 @@ static void test_the_unit_is_a_factor(void)
     }
 }
 
+/* Of decays 1, 2 and 3 halvings/s, where the second holds the first at half, and the third the second at twice. */
+static void make_sums(void)
+{
+    horizon.travel = (struct jp_axis_modes){
+        .count = 3,
+        .mode = {{JP_Q24(1), 0}, {JP_Q24(2), 0}, {JP_Q24(3), 0}},
+        .passed = {JP_Q16(0.5), JP_Q16(2)},
+    };
+}
+
+static void test_check_of_sums(void)
+{
+    make_sums();
+    expect_good(&horizon);
+    horizon.travel.passed[0] = -1;
+    expect_bad("horizon.travel.passed");
+    make_sums();
+    horizon.travel.passed[1] = JP_Q16(4096) + 1;
+    expect_bad("horizon.travel.passed");
+    make_sums();
+    horizon.travel.passed[2] = 1; /* to whom? */
+    expect_bad("horizon.travel.passed");
+    make_sums();
+    horizon.travel.passed[1] = JP_Q16(4096);
+    expect_good(&horizon);
+    setUp();
+    horizon.yaw.passed[0] = JP_Q16(1); /* inside a pair */
+    expect_bad("horizon.yaw.passed");
+    horizon.yaw.count = 3;
+    horizon.yaw.mode[2].decay = JP_Q24(1);
+    horizon.yaw.passed[1] = JP_Q16(1); /* by a pair */
+    expect_bad("horizon.yaw.passed");
+    horizon.yaw = (struct jp_axis_modes){
+        .count = 3,
+        .mode = {{JP_Q24(1), 0}, {JP_Q24(1), JP_Q24(0.25)}, {JP_Q24(1), JP_Q24(0.25)}},
+        .passed = {JP_Q16(1)}, /* to a pair */
+    };
+    expect_bad("horizon.yaw.passed");
+}
+
+static void test_sums_get_what_is_passed_on(void)
+{
+    make_sums();
+    start.transient.travel[0] = JP_Q16(8);
+    start.transient.travel[1] = JP_Q16(3);
+    start.transient.travel[2] = JP_Q16(16);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, forecast(&horizon, stand)); /* shares ½, ¼ and ⅛ */
+    TEST_ASSERT_INT32_WITHIN(2, JP_Q16(4), end.transient.travel[0]);
+    TEST_ASSERT_INT32_WITHIN(2, JP_Q16(0.75 + 1), end.transient.travel[1]);
+    TEST_ASSERT_INT32_WITHIN(4, JP_Q16(2 + 2 * (1 + 0.375)), end.transient.travel[2]);
+}
+
+/* Two modes of one amplitude that cancel, as themselves and as sums: what is left of them is the same. */
+static void test_sums_of_modes_are_the_modes(void)
+{
+    const struct jp_segment_command segment = {{JP_Q24(1), 0}, 0, JP_Q16(1)};
+    struct jp_axis_modes modes = {.count = 2,
+                                  .mode = {{JP_Q24(1), 0}, {JP_Q24(1.0625), 0}},
+                                  .step = {{JP_Q16(64), -JP_Q16(63)}},
+                                  .storage = {P28(0.5), P28(1), P28(0.5)},
+                                  .steady = {JP_Q16(2), JP_Q16(2)}};
+    jp_q16 of_modes = 0;
+
+    horizon.travel = modes;
+    TEST_ASSERT_EQUAL_INT32(JP_OK, forecast(&horizon, segment));
+    of_modes = energy;
+    horizon.travel.passed[0] = JP_Q16(1);
+    horizon.travel.step[0][1] = JP_Q16(1);
+    horizon.travel.storage[0] = 0;
+    horizon.travel.storage[1] = 0;
+    horizon.travel.steady[0] = 0;
+    TEST_ASSERT_EQUAL_INT32(JP_OK, forecast(&horizon, segment));
+    TEST_ASSERT_INT32_WITHIN(TOLERANCE, of_modes, energy);
+}
+
+/* All as large as it may be, in sums of sums: nothing wraps. */
+static void test_extreme_sums(void)
+{
+    const struct jp_segment_command segment = {{JP_Q24(8), 0}, 0, JP_Q16(0.5)};
+
+    horizon.travel.count = JP_AXIS_MODES;
+    for (int i = 0; i < JP_AXIS_MODES; i++) {
+        horizon.travel.mode[i] = (struct jp_mode){i % 2 == 0 ? 1 : INT32_MAX, 0};
+        horizon.travel.step[0][i] = JP_Q16(512);
+        horizon.travel.passed[i] = i + 1 < JP_AXIS_MODES ? JP_Q16(4096) : 0;
+        start.transient.travel[i] = JP_Q16(4096);
+    }
+    expect_good(&horizon);
+    start.motion.speed = -JP_Q24(8);
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, forecast(&horizon, segment));
+    for (int i = 0; i < JP_AXIS_MODES; i++) {
+        TEST_ASSERT_EQUAL_INT32(JP_Q16(4096), end.transient.travel[i]);
+    }
+}
+
 /* Modes of a unit of their own: here volts are so many of it. */
 static void count_in(struct jp_axis_modes *axis, const int32_t *units_per_volt)
 {
@@ -558,13 +653,25 @@ static void test_transients_are_limited(void)
     TEST_ASSERT_TRUE(energy > 0 && energy < INT32_MAX); /* the settled energy fits */
 }
 
+static void store_all(int32_t storage, jp_q16 transient)
+{
+    for (int i = 0; i < JP_AXIS_MODES * (JP_AXIS_MODES + 1) / 2; i++) {
+        horizon.travel.storage[i] = storage;
+        horizon.yaw.storage[i] = storage;
+    }
+    for (int i = 0; i < JP_AXIS_MODES; i++) {
+        start.transient.travel[i] = transient;
+        start.transient.yaw[i] = transient;
+    }
+}
+
 /* All as large as it may be: nothing wraps. */
 static void test_extreme_tables(void)
 {
     const struct jp_segment_command segment = {{JP_Q24(8), JP_Q24(8)}, JP_Q24(6.2831), JP_Q16(0.5)};
     struct jp_axis_modes axis = {.count = JP_AXIS_MODES};
     for (int i = 0; i < JP_AXIS_MODES; i++) {
-        axis.mode[i] = (struct jp_mode){1, JP_Q24(64)};
+        axis.mode[i] = (struct jp_mode){1, i + 1 < JP_AXIS_MODES ? JP_Q24(64) : 0}; /* pairs, and one alone */
         axis.step[0][i] = JP_Q16(512);
         axis.step[1][i] = JP_Q16(512);
         axis.cross[0][i] = JP_Q16(4096);
@@ -584,13 +691,31 @@ static void test_extreme_tables(void)
     for (int i = 0; i < JP_AXIS_MODES; i++) {
         TEST_ASSERT_EQUAL_INT32(JP_Q16(4096), end.transient.travel[i]);
         TEST_ASSERT_EQUAL_INT32(JP_Q16(4096), end.transient.yaw[i]);
-        start.transient.travel[i] = -JP_Q16(4096);
-        start.transient.yaw[i] = -JP_Q16(4096);
     }
-    for (int i = 0; i < JP_AXIS_MODES * (JP_AXIS_MODES + 1) / 2; i++) {
-        horizon.travel.storage[i] = INT32_MIN;
-        horizon.yaw.storage[i] = INT32_MIN;
+    store_all(INT32_MIN, -JP_Q16(4096));
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, forecast(&horizon, segment));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, energy);
+}
+
+/* All that is stored is spent, or taken: both axes together would not fit 64 bits. */
+static void test_extreme_tables_that_decay_at_once(void)
+{
+    const struct jp_segment_command segment = {{JP_Q24(8), JP_Q24(8)}, JP_Q24(6.2831), JP_Q16(0.5)};
+    struct jp_axis_modes axis = {.count = JP_AXIS_MODES};
+
+    for (int i = 0; i < JP_AXIS_MODES; i++) {
+        axis.mode[i].decay = INT32_MAX;
+        axis.cross[0][i] = JP_Q16(4096);
+        axis.cross[1][i] = JP_Q16(4096);
+        axis.steady[i] = JP_Q16(4096);
     }
+    horizon = (struct jp_horizon){JP_Q16(0.5), 0, axis, axis};
+    start.motion = (struct jp_motion){-JP_Q24(8), -JP_Q24(8)};
+    store_all(INT32_MAX, JP_Q16(4096));
+    expect_good(&horizon);
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, forecast(&horizon, segment));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, energy);
+    store_all(INT32_MIN, -JP_Q16(4096));
     TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, forecast(&horizon, segment));
     TEST_ASSERT_EQUAL_INT32(INT32_MIN, energy);
 }

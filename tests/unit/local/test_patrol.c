@@ -66,6 +66,7 @@ static void test_limits_of_each_field(void)
     check_limits(&config.teb.reverse_max, least, 16.0f, "teb.reverse_max");
     check_limits(&config.teb.turn_rate_max, least, 16.0f, "teb.turn_rate_max");
     check_limits(&config.price.second, least, 1.0e9f, "price.second");
+    check_limits(&config.price.worth, 0.0f, 1024.0f, "price.worth");
     check_limits(&config.price.turning, 0.0f, 1.0e9f, "price.turning");
     check_limits(&config.price.steering, 0.0f, 1.0e9f, "price.steering");
     check_limits(&config.glide_clearance, 0.0f, most, "glide_clearance");

@@ -86,6 +86,56 @@ static void test_legs_add_up(void)
     expect_within(0.2f, 12.0f + 2.0f * delays(), duration);
 }
 
+/* Ground that rises eastward by a tenth from the middle of its first cell to that of its last. */
+static const struct jp_terrain *make_slope(void)
+{
+    enum { SIDE = 8 };
+    static struct jp_terrain ground;
+    static uint64_t block[SIDE * SIDE];
+    const struct jp_terrain_config terrain = {
+        .width = SIDE, .height = SIDE, .resolution = JP_Q16_ONE, .has_elevation = true};
+    const char *field;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_init(&ground, &terrain, block, sizeof block, &field));
+    for (int32_t i = 0; i < SIDE * SIDE; i++) {
+        const jp_elevation elevation = (jp_elevation)(i % SIDE * JP_ELEVATION_ONE / 10);
+
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&ground, i % SIDE, i / SIDE, elevation));
+    }
+    return &ground;
+}
+
+/* Up by 0.35 m of 1 000 N, for beside the first cell's middle it is level; and down again. */
+static void test_a_leg_on_a_slope(void)
+{
+    struct jp_patrol_plan plan = plan_to(4.0f, 0.0f, 0.0f, true);
+
+    plan.ground = make_slope();
+    expect_leg(&plan, 6.0f, 190.0f + 350.0f);
+    path_count = 0;
+    rig_straight(4.0f, 0.0f, 0.0f, 0.0f);
+    plan.start = (struct jp_plane_pose){4.0f, 0.0f, JP_PLANE_PI};
+    plan.goal.pose = (struct jp_plane_pose){0.0f, 0.0f, 0.0f};
+    drive = (struct jp_four_wheel_drive){0};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+    expect_within(5.0f, 190.0f - 350.0f + 25.0f * delays(), (float)(int32_t)drive.energy / 65536.0f);
+}
+
+/* The rest of the way into a goal is up, too. */
+static void test_driving_in_on_a_slope(void)
+{
+    struct jp_patrol_plan plan = plan_to(2.0f, 0.0f, 0.0f, true);
+    float level;
+
+    plan.goal.pose.x = 4.0f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+    level = (float)(int32_t)drive.energy;
+    plan.ground = make_slope();
+    drive = (struct jp_four_wheel_drive){0};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+    expect_within(8.0f, 350.0f, ((float)(int32_t)drive.energy - level) / 65536.0f);
+}
+
 /* Half a turn at 1 rad/s with a ramp of 2/3 s; the wheels by 48.7° before and after, at 200°/s. */
 static void test_turning_first(void)
 {

@@ -272,8 +272,8 @@ static void test_the_shorter_way_is_the_answer(void)
         const struct jp_point *by_shortcut = planner.internal.path.points;
         TEST_ASSERT_EQUAL_INT(JP_GRID_FOUND, finish(1));
         TEST_ASSERT_TRUE(expect_way(0, i % 8, 14, i / 8) <= jp_grid_planner_statistics(&planner)->octile_length);
-        const uint64_t length = jp_grid_path_length(&planner.internal.path);
-        const uint64_t other = jp_grid_path_length(&planner.internal.candidate);
+        const uint64_t length = jp_grid_path_price(&planner.internal, &planner.internal.path);
+        const uint64_t other = jp_grid_path_price(&planner.internal, &planner.internal.candidate);
         TEST_ASSERT_TRUE(length <= other);
         by_edges += length < other && planner.internal.path.points != by_shortcut;
         by_shortcuts += length < other && planner.internal.path.points == by_shortcut;

@@ -11,6 +11,7 @@ int main(void)
     struct jp_four_wheel_drive drive = {0};
     struct jp_four_wheel_piece piece;
     jp_q16 factor[JP_FOUR_WHEEL_FACTORS];
+    jp_q16 joules;
     const char *field;
 
     ANY(model);
@@ -22,6 +23,8 @@ int main(void)
         factor[i] = any_between(1, INT32_MAX);
     }
     (void)jp_four_wheel_energy_add(&model, &drive, &piece);
+    (void)jp_four_wheel_energy_metre(&model, any_between(INT32_MIN, INT32_MAX), any_between(INT32_MIN, INT32_MAX),
+                                     &joules);
     jp_four_wheel_energy_scale(&model, factor, &scaled);
     ARRIVED();
     return 0;
