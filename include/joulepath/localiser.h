@@ -13,6 +13,10 @@
  * The odometry's prediction takes part with its covariance: in a direction that the walls do not determine, such as
  * along a corridor, it stands, and the uncertainty grows.
  *
+ * Where the map shows nothing within range and the beams see nothing, the scan agrees with the map, whatever stands
+ * there besides: in the open the robot goes on by its wheels however uncertain it becomes, as no stand would tell where
+ * it is, and is lost by that only where there are walls to find itself by.
+ *
  * A robot that is lost searches the whole map, in slices: branch and bound over positions and headings, with the
  * distances as bounds. It stays lost while several places explain the scan alike, or none does. A robot that is not
  * lost but uncertain searches where it may be, for a place to lay the scan over.
@@ -61,7 +65,7 @@ enum jp_localiser_reason {
     JP_LOCALISER_UNEXPLAINED,  /**< the map explains too little of it: people or things around the robot */
     JP_LOCALISER_CONTRADICTED, /**< beams pass through walls: the robot was carried away, or the map is another */
     JP_LOCALISER_JUMPED,       /**< the scan fits the map, but away from where odometry allows */
-    JP_LOCALISER_UNCERTAIN,    /**< the uncertainty has grown beyond what the configuration allows */
+    JP_LOCALISER_UNCERTAIN,    /**< not in the open, and more uncertain than the configuration allows */
     JP_LOCALISER_SEARCHING,    /**< the map is searched */
     JP_LOCALISER_AMBIGUOUS,    /**< several places explain the scan alike: it takes one from elsewhere */
     JP_LOCALISER_NOWHERE       /**< no place explains it */
@@ -82,8 +86,9 @@ struct jp_localiser_config {
     struct jp_localiser_drift wheels;
     float start_distance; /**< standard deviation of the pose at the start, m; 0.001…10 */
     float start_turn;     /**< rad; 0.001…1 */
-    float lost_distance;  /**< beyond this standard deviation of the position it is lost, m; 0.01…10 */
-    float lost_turn;      /**< of the heading, rad; 0.01…1 */
+    float
+        lost_distance; /**< beyond this standard deviation of the position it is lost, unless in the open, m; 0.01…10 */
+    float lost_turn;   /**< of the heading, rad; 0.01…1 */
 };
 
 /** What is known in a cycle. */
@@ -107,6 +112,8 @@ struct jp_localiser_view {
     uint16_t explained; /**< end at the first wall on their way */
     uint16_t behind;    /**< pass through a wall and end at another: a door that the map shows closed is open */
     uint16_t beyond;    /**< pass through a wall and end where none is */
+    uint16_t empty;     /**< beams that see nothing; looked at where the scan does not fit */
+    uint16_t open;      /**< of these, beams on whose way the map shows no wall either */
 };
 
 /** Signed distances of the cells' middles from the nearest edge of a wall, below 0 inside. Private. */
@@ -121,6 +128,7 @@ struct jp_wall_field {
 struct jp_localiser_cloud {
     struct jp_plane_point *points;
     int32_t count;
+    int32_t stride; /* every so many-th end is one of them */
     struct jp_plane_point sensor;
 };
 
@@ -206,7 +214,7 @@ enum jp_status jp_localiser_start(struct jp_localiser *localiser, const struct j
 
 /** Takes the wheels' motion and a scan. JP_ERR_ARGUMENT: a null pointer or a value out of range; then nothing changes.
  *  Work: a short reading of the field, at most 45 times for each of JP_LOCALISER_POINTS_MAX ends of beams, as a rule 5
- *  times. */
+ *  times; where the scan does not fit, also the cells along the beams that see nothing. */
 enum jp_status jp_localiser_update(struct jp_localiser *localiser, const struct jp_localiser_input *input);
 
 /** Continues the search of a robot that is lost by at most so many nodes, each of JP_LOCALISER_SEARCH_POINTS or fewer

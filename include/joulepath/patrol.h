@@ -7,7 +7,8 @@
  *                   ▼  │        ▼ │
  *                  WAITING (stopped: the obstacle may leave) ─▶ STOPPED (gave up; the reason says why)
  *
- * Where there is no room to turn, the robot is first STEPPING: with its wheels across, straight to a place with room.
+ * Where there is no room to turn, the robot is first STEPPING: with its wheels across, straight to a place with room;
+ * or, by cost, along its path with the heading that it has, such as backwards out of an aisle, until there is room.
  *
  * With four steered wheels it can also turn while it drives: GLIDING it follows the path at once and turns on the way,
  * to the path's direction or to the goal's heading; its wheels then lead it askew. Whether it turns first, glides, or

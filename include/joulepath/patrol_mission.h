@@ -13,9 +13,9 @@
  * top of it. What the scanner sees is marked on a copy of the map. Where there is no room to turn at the goal, the
  * robot turns at a place before it and drives straight in; when scans show this only during the drive, it stops and
  * plans again. A patrol that waits or has stopped because its path is blocked gets another path after a while, up to
- * six times. A robot that was lost and has found itself gets one from there, over the map as it was given: marks were
- * made elsewhere. One that has stood for people for a while gets one around where they have walked lately, if that is
- * longer by no more than it has waited.
+ * six times about the same place; marks that leave none are forgotten, three times at most. A robot that was lost and
+ * has found itself gets one from there, over the map as it was given: marks were made elsewhere. One that has stood for
+ * people for a while gets one around where they have walked lately, if that is longer by no more than it has waited.
  *
  * One call of jp_patrol_mission_cycle() in place of jp_patrol_cycle(), and in the time between them
  * jp_patrol_mission_work() while the state is PLANNING. Not for ISRs. Single-precision floating point: part of
@@ -71,10 +71,14 @@ struct jp_patrol_mission_internal {
     bool is_searching; /**< the grid planner is at work */
     uint8_t trial;     /**< of the clearances to try */
     struct jp_plane_pose target;
-    uint16_t waited;        /**< cycles without a free path */
-    bool is_detour;         /**< a path around where people walk is looked for */
-    float detour_clearance; /**< of it from there, m */
-    float detour_due;       /**< after so much standing for people, s */
+    uint16_t waited;            /**< cycles without a free path */
+    uint8_t tries;              /**< to get on from about the same place */
+    uint8_t forgets;            /**< of what scans have marked */
+    bool is_closed;             /**< the last search found no path */
+    struct jp_plane_pose tried; /**< where the first of the tries was */
+    bool is_detour;             /**< a path around where people walk is looked for */
+    float detour_clearance;     /**< of it from there, m */
+    float detour_due;           /**< after so much standing for people, s */
     bool is_watch_due;
 };
 

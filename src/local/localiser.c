@@ -36,6 +36,9 @@
 #define UNSEARCHED 0.7f
 #define SEARCHED   0.45f
 
+/* A place is a rival of another one that explains up to this share of the beams more. */
+#define RIVAL 0.1f
+
 /* Square of the standard deviations by which a match may be off the prediction. */
 #define SURPRISE_MAX 25.0f
 
@@ -48,6 +51,9 @@
 /* Likewise after so many scans, since the last that fitted, of which the map explains less than this share. */
 #define UNEXPLAINED_MAX 50U
 #define STRANGE         0.2f
+
+/* A robot is in the open where so many of the beams see nothing and the map shows nothing there. */
+#define OPEN 0.5f
 
 /* After a search in vain another one begins after so many scans, or beyond this motion, m and rad. */
 #define WAIT_SCANS 10U
@@ -186,29 +192,6 @@ static float noise_of(const struct jp_localiser *localiser)
     return jp_plane_length(localiser->config.noise, ROUNDING * localiser->internal.field.cell);
 }
 
-/* A match, and how the scan agrees with the map there. */
-struct attempt {
-    struct jp_localiser_fit fit;
-    struct jp_localiser_view view;
-    bool is_searched; /* it is the best of the places where the robot may be */
-};
-
-static void attempt(const struct jp_localiser_internal *self, const struct jp_localiser_prior *prior,
-                    struct attempt *attempt)
-{
-    jp_localiser_match(&self->field, &self->cloud, prior, &attempt->fit);
-    jp_localiser_compare(&self->field, &self->cloud, prior->weak > 0.0f ? 1 : STRIDE, &attempt->fit.pose, prior->noise,
-                         &attempt->view);
-}
-
-/* Beams that the map explains over those that contradict it. */
-static int32_t score_of(const struct attempt *attempt)
-{
-    const struct jp_localiser_view *const view = &attempt->view;
-
-    return (int32_t)view->explained - (int32_t)view->behind - (int32_t)view->beyond;
-}
-
 /* How far ends of beams may be off by the uncertainty of the pose, m. */
 static float spread_of(const struct jp_localiser *localiser)
 {
@@ -221,19 +204,57 @@ static float wideness_of(const struct jp_localiser *localiser)
     return spread_of(localiser) / (SURE_SPREAD * noise_of(localiser));
 }
 
-/* From the prediction, and from a place that a search found. */
+static bool is_wide(const struct jp_localiser *localiser)
+{
+    return wideness_of(localiser) > 1.0f;
+}
+
+/* Of the ends that are compared with the map: all where the pose is not sure. */
+static int32_t stride_of(const struct jp_localiser *localiser)
+{
+    return is_wide(localiser) ? 1 : STRIDE;
+}
+
+/* A match, and how the scan agrees with the map there. */
+struct attempt {
+    struct jp_localiser_fit fit;
+    struct jp_localiser_view view;
+    bool is_searched; /* it is the best of the places where the robot may be */
+};
+
+static void attempt(const struct jp_localiser *localiser, const struct jp_localiser_prior *prior,
+                    struct attempt *attempt)
+{
+    const struct jp_localiser_internal *const self = &localiser->internal;
+
+    jp_localiser_match(&self->field, &self->cloud, prior, &attempt->fit);
+    jp_localiser_compare(&self->field, &self->cloud, stride_of(localiser), &attempt->fit.pose, prior->noise,
+                         &attempt->view);
+}
+
+/* Beams that the map explains over those that contradict it. */
+static int32_t score_of(const struct attempt *attempt)
+{
+    const struct jp_localiser_view *const view = &attempt->view;
+
+    return (int32_t)view->explained - (int32_t)view->behind - (int32_t)view->beyond;
+}
+
+/* From the prediction, and from a place that a search found, within the region that it was to search: where the
+ * prediction is a rival of it, such as along a plain wall before which something stands, the prediction stays. */
 static void match(struct jp_localiser *localiser, struct jp_localiser_prior *prior, struct attempt *best)
 {
     struct jp_localiser_internal *const self = &localiser->internal;
 
-    attempt(self, prior, best);
+    attempt(localiser, prior, best);
     best->is_searched = self->has_place;
     if (self->has_place) {
         struct attempt other;
 
         prior->start = jp_plane_compose(&self->search.places[0].pose, &self->since);
-        attempt(self, prior, &other);
-        if (score_of(&other) > score_of(best)) {
+        attempt(localiser, prior, &other);
+        if (other.fit.surprise < square(REGION) &&
+            (float)score_of(&other) > (float)score_of(best) + RIVAL * (float)other.view.beams) {
             best->fit = other.fit;
             best->view = other.view;
         }
@@ -262,7 +283,7 @@ static enum jp_localiser_reason judge(struct jp_localiser *localiser, struct jp_
         return JP_LOCALISER_NO_SCAN;
     }
     (void)jp_localiser_invert(localiser->covariance, prior.information);
-    prior.weak = wideness_of(localiser) > 1.0f ? WEAK : 0.0f;
+    prior.weak = is_wide(localiser) ? WEAK : 0.0f;
     match(localiser, &prior, &best);
     *fit = best.fit;
     localiser->view = best.view;
@@ -314,22 +335,44 @@ static void lose(struct jp_localiser *localiser, enum jp_localiser_reason reason
     enter(localiser, JP_LOCALISER_LOST, reason);
 }
 
+/* Nothing is to be seen around it, by the map and by most of the beams: standing still would not tell where it is. */
+static bool is_in_the_open(const struct jp_localiser_view *view)
+{
+    return (float)view->open > OPEN * ((float)view->beams + (float)view->empty);
+}
+
+/* Beyond what is allowed where there are walls to find itself by. */
 static bool is_uncertain(const struct jp_localiser *localiser)
 {
-    return localiser->position_deviation > localiser->config.lost_distance ||
-           localiser->heading_deviation > localiser->config.lost_turn;
+    return (localiser->position_deviation > localiser->config.lost_distance ||
+            localiser->heading_deviation > localiser->config.lost_turn) &&
+           !is_in_the_open(&localiser->view);
 }
 
-/* Whether next to nothing of a scan is on the map. */
+/* Whether next to nothing of a scan is on the map: where nothing is to be seen, seeing nothing is. */
 static bool is_strange(const struct jp_localiser_view *view)
 {
-    return (float)view->explained - (float)view->behind < STRANGE * (float)view->beams;
+    const float explained = (float)view->explained - (float)view->behind + (float)view->open;
+
+    return explained < STRANGE * ((float)view->beams + (float)view->empty);
 }
 
-static void doubt(struct jp_localiser *localiser, enum jp_localiser_reason reason)
+static void look_beside(struct jp_localiser *localiser, const struct jp_localiser_input *input)
+{
+    const struct jp_localiser_internal *const self = &localiser->internal;
+
+    jp_localiser_compare_empty(&self->field, input, localiser->config.range_max,
+                               stride_of(localiser) * self->cloud.stride, &localiser->pose, &localiser->view);
+}
+
+static void doubt(struct jp_localiser *localiser, enum jp_localiser_reason reason,
+                  const struct jp_localiser_input *input)
 {
     if (reason == JP_LOCALISER_CONTRADICTED || reason == JP_LOCALISER_JUMPED) {
         localiser->internal.doubts++;
+    }
+    if (input->scan.ranges != NULL) {
+        look_beside(localiser, input);
     }
     if (is_strange(&localiser->view)) {
         localiser->internal.unexplained++;
@@ -389,7 +432,7 @@ static void search_lost(struct jp_localiser *localiser)
     enter(localiser, JP_LOCALISER_LOST, JP_LOCALISER_SEARCHING);
 }
 
-static void track(struct jp_localiser *localiser)
+static void track(struct jp_localiser *localiser, const struct jp_localiser_input *input)
 {
     struct jp_localiser_fit fit;
     const enum jp_localiser_reason reason = judge(localiser, &fit);
@@ -397,9 +440,9 @@ static void track(struct jp_localiser *localiser)
     if (reason == JP_LOCALISER_NONE) {
         correct(localiser, &fit);
     } else {
-        doubt(localiser, reason);
+        doubt(localiser, reason, input);
     }
-    if (localiser->state != JP_LOCALISER_LOST && wideness_of(localiser) > 1.0f && is_search_due(localiser)) {
+    if (localiser->state != JP_LOCALISER_LOST && is_wide(localiser) && is_search_due(localiser)) {
         search_around(localiser);
     }
 }
@@ -493,7 +536,7 @@ enum jp_status jp_localiser_update(struct jp_localiser *localiser, const struct 
     if (localiser->state == JP_LOCALISER_LOST) {
         look_for_place(localiser);
     } else {
-        track(localiser);
+        track(localiser, input);
     }
     return JP_OK;
 }

@@ -47,10 +47,12 @@ static int32_t hits_of(const struct jp_scan *scan, float range_max)
 void jp_localiser_collect(struct jp_localiser_cloud *cloud, int32_t points_max, const struct jp_scan *scan,
                           const struct jp_plane_pose *sensor, float range_max)
 {
-    const int32_t stride = (hits_of(scan, range_max) + points_max - 1) / points_max;
+    const int32_t seen = hits_of(scan, range_max);
+    const int32_t stride = seen > 0 ? (seen + points_max - 1) / points_max : 1;
     int32_t hits = 0;
 
     cloud->count = 0;
+    cloud->stride = stride;
     cloud->sensor = (struct jp_plane_point){sensor->x, sensor->y};
     for (uint16_t i = 0; i < scan->count; i++) {
         const float range = scan->ranges[i];
@@ -264,5 +266,33 @@ void jp_localiser_compare(const struct jp_wall_field *field, const struct jp_loc
         const struct jp_plane_point arm = turned(direction, cloud->points[i]);
 
         compare_beam(field, from, (struct jp_plane_point){pose->x + arm.x, pose->y + arm.y}, noise, view);
+    }
+}
+
+static bool is_empty(float range, float range_max)
+{
+    return jp_plane_is_between(range, 0.0f, FLT_MAX) && !has_hit(range, range_max);
+}
+
+void jp_localiser_compare_empty(const struct jp_wall_field *field, const struct jp_localiser_input *input,
+                                float range_max, int32_t stride, const struct jp_plane_pose *pose,
+                                struct jp_localiser_view *view)
+{
+    const struct jp_plane_pose scanner = jp_plane_compose(pose, &input->sensor);
+    const struct jp_plane_point from = {scanner.x, scanner.y};
+    int32_t found = 0;
+
+    for (uint16_t i = 0; i < input->scan.count; i++) {
+        if (is_empty(input->scan.ranges[i], range_max)) {
+            if (found % stride == 0) {
+                const float bearing = scanner.heading + (input->scan.first_angle + (float)i * input->scan.angle_step);
+
+                view->empty++;
+                if (!(jp_wall_field_ray(field, from, jp_plane_direction(bearing), range_max) < range_max)) {
+                    view->open++;
+                }
+            }
+            found++;
+        }
     }
 }

@@ -35,4 +35,10 @@ void jp_localiser_match(const struct jp_wall_field *field, const struct jp_local
 void jp_localiser_compare(const struct jp_wall_field *field, const struct jp_localiser_cloud *cloud, int32_t stride,
                           const struct jp_plane_pose *pose, float noise, struct jp_localiser_view *view);
 
+/** How every `stride`-th of the beams that see nothing up to range_max agrees with the map at a pose. Work: the cells
+ *  along them. */
+void jp_localiser_compare_empty(const struct jp_wall_field *field, const struct jp_localiser_input *input,
+                                float range_max, int32_t stride, const struct jp_plane_pose *pose,
+                                struct jp_localiser_view *view);
+
 #endif

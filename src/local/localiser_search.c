@@ -189,7 +189,8 @@ void jp_localiser_search_begin(struct jp_localiser_search *search, const struct 
 {
     const int32_t count = cloud->count < JP_LOCALISER_SEARCH_POINTS ? cloud->count : JP_LOCALISER_SEARCH_POINTS;
 
-    search->cloud = (struct jp_localiser_cloud){search->points, count, cloud->sensor};
+    search->cloud =
+        (struct jp_localiser_cloud){.points = search->points, .count = count, .stride = 1, .sensor = cloud->sensor};
     for (int32_t i = 0; i < count; i++) {
         const struct jp_plane_point point = cloud->points[i * cloud->count / count];
 

@@ -76,8 +76,36 @@ static void clear_along(const struct jp_terrain *given, struct jp_terrain *marke
     }
 }
 
+/* Whether anything stands on the map in the square of twice the reach around a point. */
+static bool is_beside(const struct jp_terrain *map, struct jp_plane_point point, float reach)
+{
+    const int32_t right = jp_patrol_cell_at(map, point.x + reach);
+    const int32_t top = jp_patrol_cell_at(map, point.y + reach);
+
+    for (int32_t y = jp_patrol_cell_at(map, point.y - reach); y <= top; y++) {
+        for (int32_t x = jp_patrol_cell_at(map, point.x - reach); x <= right; x++) {
+            if (jp_terrain_cell(map, x, y) == JP_CELL_OCCUPIED) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static void mark_end(const struct jp_terrain *given, struct jp_terrain *marked, const struct beam *beam,
+                     float tolerance)
+{
+    const struct jp_plane_point end = {beam->origin.x + beam->range * beam->direction.x,
+                                       beam->origin.y + beam->range * beam->direction.y};
+
+    if (!is_beside(given, end, jp_plane_smaller(tolerance, jp_patrol_cell(given)))) {
+        (void)jp_terrain_set_cell(marked, jp_patrol_cell_at(given, end.x), jp_patrol_cell_at(given, end.y),
+                                  JP_CELL_OCCUPIED);
+    }
+}
+
 void jp_patrol_mark(const struct jp_terrain *given, struct jp_terrain *marked, const struct jp_scan *scan,
-                    const struct jp_plane_pose *scanner)
+                    const struct jp_plane_pose *scanner, float tolerance)
 {
     struct beam beam;
 
@@ -88,11 +116,7 @@ void jp_patrol_mark(const struct jp_terrain *given, struct jp_terrain *marked, c
     }
     for (uint16_t i = 0; i < scan->count; i++) {
         if (find_beam(scan, scanner, i, &beam)) {
-            int32_t x;
-            int32_t y;
-
-            find_cell(given, &beam, beam.range, &x, &y);
-            (void)jp_terrain_set_cell(marked, x, y, JP_CELL_OCCUPIED);
+            mark_end(given, marked, &beam, tolerance);
         }
     }
 }

@@ -32,10 +32,14 @@
 #define WATCH_DISTANCE 0.5f
 #define WATCH_CYCLES   5U
 
-/* A new path is looked for after so many blocked cycles, at most so often. */
+/* A new path is looked for after so many blocked cycles, at most so often before the robot has got on by its horizon.
+ */
 #define REPLAN_WAIT   8U
 #define LAST_LEG_WAIT 30U
-#define REPLANS_MAX   6U
+#define TRIES_MAX     6U
+
+/* What scans have marked may be off, or gone: where it leaves no path it is forgotten, so often. */
+#define FORGETS_MAX 3U
 
 /* A way around where people walk is looked for after so much standing for them, s, and again after so many times as
  * much as the last time. */
@@ -289,6 +293,27 @@ static float margin_of(const struct jp_patrol_mission *mission)
     return margins[mission->internal.trial % MARGINS] + more;
 }
 
+/* With the least clearance the path may begin beside the robot, no farther than it is long ahead: something that it
+ * has come too near to must not keep it where it is. */
+static bool begin_beside(struct jp_patrol_mission *mission, const struct jp_grid_cell *start,
+                         const struct jp_grid_cell *goal)
+{
+    const int32_t rings = (int32_t)(mission->config.patrol.teb.footprint.front / jp_patrol_cell(mission->config.map));
+    bool has_begun = false;
+
+    for (int32_t ring = 1; ring <= rings && !has_begun; ring++) {
+        const int32_t side = 2 * ring + 1;
+
+        for (int32_t i = 0; i < side * side && !has_begun; i++) {
+            const struct jp_grid_cell cell = {(int16_t)(start->x + i % side - ring),
+                                              (int16_t)(start->y + i / side - ring)};
+
+            has_begun = jp_grid_planner_start(&mission->internal.grid, &cell, goal) == JP_OK;
+        }
+    }
+    return has_begun;
+}
+
 /* The clearance to try after another one. */
 static uint8_t next_trial(const struct jp_patrol_mission *mission, uint8_t trial)
 {
@@ -315,7 +340,8 @@ static bool begin_search(struct jp_patrol_mission *mission)
     }
     return jp_grid_planner_init(&mission->internal.grid, &grid, &mission->internal.marked, mission->internal.grid_block,
                                 mission->internal.grid_size, &field) == JP_OK &&
-           jp_grid_planner_start(&mission->internal.grid, &start, &goal) == JP_OK;
+           (jp_grid_planner_start(&mission->internal.grid, &start, &goal) == JP_OK ||
+            (mission->internal.trial + 1U == 2U * MARGINS && begin_beside(mission, &start, &goal)));
 }
 
 static bool smooth(struct jp_patrol_mission *mission, uint16_t *count)
@@ -472,7 +498,7 @@ static bool needs_path(const struct jp_patrol_mission *mission)
     const bool is_stuck = mission->patrol.state == JP_PATROL_WAITING || mission->patrol.state == JP_PATROL_STOPPED;
 
     return is_stuck && (reason == JP_PATROL_BLOCKED || reason == JP_PATROL_OFF_PATH || reason == JP_PATROL_STALLED) &&
-           mission->replans < REPLANS_MAX;
+           mission->internal.tries < TRIES_MAX;
 }
 
 /* What the patrol's state means when no path is looked for. */
@@ -502,6 +528,7 @@ static bool is_at_rest(const struct jp_patrol_mission *mission)
 
 static void end_planning(struct jp_patrol_mission *mission, enum finding finding)
 {
+    mission->internal.is_closed = finding == NOT_FOUND;
     if (finding == NOT_FOUND && is_at_rest(mission)) {
         jp_patrol_hold(&mission->patrol);
     }
@@ -552,6 +579,10 @@ enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const 
     jp_patrol_hold(&mission->patrol);
     mission->internal.goal = *goal;
     mission->replans = 0;
+    mission->internal.tries = 0;
+    mission->internal.forgets = 0;
+    mission->internal.is_closed = false;
+    mission->internal.tried = mission->patrol.pose;
     mission->internal.waited = 0;
     mission->internal.detour_due = DETOUR_WAIT;
     plan(mission);
@@ -571,7 +602,8 @@ static void mark(struct jp_patrol_mission *mission, const struct jp_patrol_input
     if (input->scan.ranges != NULL && !input->is_lost) {
         const struct jp_plane_pose scanner = jp_plane_compose(&mission->patrol.pose, &input->sensor);
 
-        jp_patrol_mark(mission->config.map, &mission->internal.marked, &input->scan, &scanner);
+        jp_patrol_mark(mission->config.map, &mission->internal.marked, &input->scan, &scanner,
+                       mission->config.patrol.scan.tolerance);
     }
 }
 
@@ -594,12 +626,31 @@ static void watch_goal(struct jp_patrol_mission *mission, const struct jp_patrol
     }
 }
 
+static void count_try(struct jp_patrol_mission *mission)
+{
+    if (distance_to(mission, &mission->internal.tried) > mission->config.patrol.horizon) {
+        mission->internal.tried = mission->patrol.pose;
+        mission->internal.tries = 0;
+    }
+    mission->internal.tries++;
+}
+
+static void forget_what_closes(struct jp_patrol_mission *mission)
+{
+    if (mission->internal.is_closed && mission->internal.forgets < FORGETS_MAX) {
+        mission->internal.forgets++;
+        copy_map(mission);
+    }
+}
+
 static void wait(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
 {
     mission->internal.waited++;
     if (mission->internal.waited > (mission->internal.leg == JP_LEG_LAST ? LAST_LEG_WAIT : REPLAN_WAIT)) {
         mission->internal.waited = 0;
         mission->replans++;
+        count_try(mission);
+        forget_what_closes(mission);
         mark(mission, input);
         plan(mission);
     }

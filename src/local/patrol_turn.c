@@ -1,6 +1,7 @@
 #include "src/local/patrol_turn.h"
 
 #include "src/base/plane.h"
+#include "src/local/patrol_path.h"
 #include "src/local/patrol_room.h"
 #include "src/local/patrol_state.h"
 
@@ -17,6 +18,9 @@
 
 /* Clearances that are tried for a turn, from the one that is wanted to the least. */
 #define TURN_TRIES 5U
+
+/* Lengths of a step along the path that are tried, each half of the one before. */
+#define STEP_TRIES 4U
 
 /* A step ends this near its target; one to the goal is at most so long where nobody asks what it costs, m. */
 #define STEP_TOLERANCE 0.03f
@@ -145,6 +149,48 @@ static bool turn_with(struct jp_patrol *patrol, float heading, float clearance)
     return false;
 }
 
+/* The point of the path so far ahead, m, or its last one. */
+static struct jp_plane_point point_ahead(const struct jp_patrol *patrol, float way)
+{
+    uint16_t i = patrol->internal.path_next;
+    struct jp_plane_point point = jp_patrol_path_point(&patrol->internal.path[i]);
+
+    for (float left = way; left > 0.0f && i + 1U < patrol->internal.path_count; i++) {
+        const struct jp_plane_point next = jp_patrol_path_point(&patrol->internal.path[i + 1U]);
+
+        left -= jp_plane_length(next.x - point.x, next.y - point.y);
+        point = next;
+    }
+    return point;
+}
+
+static bool is_step_to_free(const struct jp_patrol *patrol, const struct jp_plane_point *target)
+{
+    const struct jp_plane_pose there = {target->x, target->y, patrol->pose.heading};
+    const struct jp_plane_pose step = jp_plane_relative(&patrol->pose, &there);
+
+    return jp_plane_length(step.x, step.y) > STEP_TOLERANCE &&
+           jp_patrol_is_step_free(patrol, &step, step_clearance(&patrol->config));
+}
+
+/* The step along the path, with the heading as it is, such as backwards out of an aisle that is too narrow to turn in:
+ * as far as the robot comes in the time for which it may wait. */
+static bool find_step_along(struct jp_patrol *patrol)
+{
+    const struct jp_patrol_config *const config = &patrol->config;
+    float way = config->step_speed * config->period * (float)config->waits_max;
+    bool is_found = false;
+
+    if (config->strategy == (uint8_t)JP_PATROL_BY_COST && !patrol->internal.is_arriving) {
+        for (unsigned i = 0; i < STEP_TRIES && !is_found; i++) {
+            patrol->internal.step_target = point_ahead(patrol, way);
+            is_found = is_step_to_free(patrol, &patrol->internal.step_target);
+            way *= 0.5f;
+        }
+    }
+    return is_found;
+}
+
 /* With the clearance that is wanted where there is a place with it, else with as much as there is. */
 void jp_patrol_turn_to(struct jp_patrol *patrol, float heading)
 {
@@ -158,7 +204,7 @@ void jp_patrol_turn_to(struct jp_patrol *patrol, float heading)
             return;
         }
     }
-    if (patrol->internal.is_arriving && jp_patrol_find_step_to_goal(patrol)) {
+    if ((patrol->internal.is_arriving && jp_patrol_find_step_to_goal(patrol)) || find_step_along(patrol)) {
         jp_patrol_begin_step(patrol);
     } else {
         patrol->counts.infeasible++;

@@ -195,6 +195,76 @@ static void test_wheels_that_jump_are_not_believed_for_long(void)
     rig_expect_pose(0.03f, 0.02f);
 }
 
+/* ---- In the open ---- */
+
+/* A wall in the south-west; the scanner sees 1.5 m, and what is left of `person` stands at 0.6 m. */
+static void enter_the_open(void)
+{
+    rig_map();
+    rig_fill(0, 0, 10, 20, JP_CELL_OCCUPIED);
+    config.range_max = 1.5f;
+    rig_init();
+    robot = (struct jp_plane_pose){4.5f, 3.5f, 0.0f};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_localiser_start(&localiser, &robot));
+}
+
+/* What is not on the map stands beside the robot, which sees nothing where the map shows nothing. */
+static void test_in_the_open_what_it_sees_is_not_strange(void)
+{
+    enter_the_open();
+    person = 1.0f;
+    for (int i = 0; i < 80; i++) {
+        rig_look();
+        rig_expect(JP_LOCALISER_DEGRADED, JP_LOCALISER_UNEXPLAINED);
+    }
+    TEST_ASSERT_TRUE(localiser.view.empty > 80U);
+    TEST_ASSERT_EQUAL_UINT16(localiser.view.empty, localiser.view.open);
+}
+
+static void test_in_the_open_it_goes_on_however_uncertain(void)
+{
+    enter_the_open();
+    for (int i = 0; i < 40; i++) {
+        rig_drive(0.0f, i < 20 ? 0.3f : -0.3f, 1.0f);
+        rig_look();
+        rig_expect(JP_LOCALISER_DEGRADED, JP_LOCALISER_NO_SCAN);
+    }
+    TEST_ASSERT_TRUE(localiser.heading_deviation > config.lost_turn);
+}
+
+/* Where the map shows walls in sight, seeing nothing does not say that it is in the open. */
+static void test_seeing_nothing_among_walls_is_not_the_open(void)
+{
+    rig_start();
+    for (int i = 0; i < 70; i++) {
+        rig_drive(0.0f, 0.1f, 1.0f);
+        rig_scan();
+        for (int k = 0; k < RIG_BEAMS; k++) {
+            ranges[k] = 0.0f;
+        }
+        rig_update();
+    }
+    rig_expect(JP_LOCALISER_LOST, JP_LOCALISER_UNCERTAIN);
+    TEST_ASSERT_EQUAL_UINT16(RIG_BEAMS / 3, localiser.view.empty);
+    TEST_ASSERT_EQUAL_UINT16(0, localiser.view.open);
+}
+
+/* Nor do beams that failed. */
+static void test_beams_that_failed_are_not_empty(void)
+{
+    enter_the_open();
+    for (int i = 0; i < 40; i++) {
+        rig_drive(0.0f, 0.3f, 1.0f);
+        rig_scan();
+        for (int k = 0; k < RIG_BEAMS; k++) {
+            ranges[k] = k % 2 == 0 ? -1.0f : __builtin_inff();
+        }
+        rig_update();
+    }
+    rig_expect(JP_LOCALISER_LOST, JP_LOCALISER_UNCERTAIN);
+    TEST_ASSERT_EQUAL_UINT16(0, localiser.view.empty);
+}
+
 /* ---- Lost ---- */
 
 static void test_carried_away_it_finds_itself(void)
@@ -447,6 +517,23 @@ static void test_an_uncertain_pose_needs_more_of_the_scan(void)
     person = 1.0f;
     rig_look();
     rig_expect(JP_LOCALISER_TRACKING, JP_LOCALISER_NONE);
+}
+
+/* A search that leads out of where the robot may be is not followed. */
+static void test_a_place_beyond_the_region_is_not_taken(void)
+{
+    const struct jp_plane_pose told = {robot.x + 0.4f, robot.y + 0.4f, robot.heading + 0.5f};
+
+    config.start_distance = 0.3f;
+    config.start_turn = 0.25f;
+    rig_init();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_localiser_start(&localiser, &told));
+    rig_look();
+    rig_search();
+    localiser.internal.search.places[0].pose.heading += JP_PLANE_PI;
+    localiser.internal.search.places[0].score = 1.0f;
+    rig_look();
+    TEST_ASSERT_EQUAL_INT(JP_LOCALISER_DEGRADED, localiser.state);
 }
 
 /* Beams that pass through a wall and end where the map shows none. */

@@ -7,6 +7,8 @@
 
 enum { SIDE = 60, BEAMS = 4 };
 
+#define TOLERANCE 0.04f /* m */
+
 static struct jp_terrain given;
 static struct jp_terrain marked;
 static uint64_t blocks[2][SIDE * 16 / 8];
@@ -65,7 +67,7 @@ static void test_ends_of_beams_are_marked(void)
     ranges[1] = 2.07f;
     ranges[2] = 1.57f;
     ranges[3] = 0.57f;
-    jp_patrol_mark(&given, &marked, &scan, &scanner);
+    jp_patrol_mark(&given, &marked, &scan, &scanner, TOLERANCE);
     TEST_ASSERT_TRUE(is_marked(32, 24));
     TEST_ASSERT_TRUE(is_marked(24, 40) || is_marked(23, 40));
     TEST_ASSERT_TRUE(is_marked(11, 24) || is_marked(11, 23));
@@ -82,14 +84,14 @@ static void test_a_beam_clears_what_it_goes_through(void)
     occupy(&marked, 30, 24);
     occupy(&marked, 27, 25);
     ranges[0] = 1.0f;
-    jp_patrol_mark(&given, &marked, &scan, &scanner);
+    jp_patrol_mark(&given, &marked, &scan, &scanner, TOLERANCE);
     TEST_ASSERT_FALSE(is_marked(27, 24));
     TEST_ASSERT_TRUE(is_marked(28, 24));
     TEST_ASSERT_TRUE(is_marked(27, 25));
     TEST_ASSERT_TRUE(is_marked(32, 24));
     /* So near its end it does not say. */
     occupy(&marked, 31, 24);
-    jp_patrol_mark(&given, &marked, &scan, &scanner);
+    jp_patrol_mark(&given, &marked, &scan, &scanner, TOLERANCE);
     TEST_ASSERT_TRUE(is_marked(31, 24));
 }
 
@@ -104,11 +106,42 @@ static void test_beams_that_hit_nothing_say_nothing(void)
     ranges[1] = -1.0f;
     ranges[2] = __builtin_inff();
     ranges[3] = __builtin_nanf("");
-    jp_patrol_mark(&given, &marked, &scan, &scanner);
+    jp_patrol_mark(&given, &marked, &scan, &scanner, TOLERANCE);
     TEST_ASSERT_TRUE(is_marked(27, 24));
     TEST_ASSERT_TRUE(is_marked(24, 27));
     TEST_ASSERT_TRUE(is_marked(21, 24));
     TEST_ASSERT_TRUE(is_marked(24, 21));
+}
+
+/* The noise of a range, which would close an aisle, is not marked beside the walls of the map. */
+static void test_an_end_beside_what_is_known_is_that(void)
+{
+    const struct jp_plane_pose scanner = {3.06f, 3.06f, 0.0f};
+
+    occupy(&given, 32, 24); /* from x = 4 m on */
+    occupy(&given, 24, 32);
+    occupy(&given, 15, 24); /* up to x = 2 m */
+    occupy(&given, 24, 15);
+    for (int i = 0; i < BEAMS; i++) {
+        ranges[i] = i < 2 ? 0.91f : 1.03f;
+    }
+    jp_patrol_mark(&given, &marked, &scan, &scanner, TOLERANCE);
+    TEST_ASSERT_FALSE(is_marked(31, 24) || is_marked(24, 31) || is_marked(16, 24) || is_marked(24, 16));
+    for (int i = 0; i < BEAMS; i++) {
+        ranges[i] = i < 2 ? 0.88f : 1.0f;
+    }
+    jp_patrol_mark(&given, &marked, &scan, &scanner, TOLERANCE);
+    TEST_ASSERT_TRUE(is_marked(31, 24) && is_marked(24, 31) && is_marked(16, 24) && is_marked(24, 16));
+}
+
+static void test_what_stands_more_than_a_cell_from_it_is_marked(void)
+{
+    const struct jp_plane_pose scanner = {3.06f, 3.06f, 0.0f};
+
+    occupy(&given, 32, 24);
+    ranges[0] = 0.79f; /* 0.15 m before it; the cell is of 0.125 m */
+    jp_patrol_mark(&given, &marked, &scan, &scanner, 1000.0f);
+    TEST_ASSERT_TRUE(is_marked(30, 24));
 }
 
 static void test_a_beam_beyond_the_map(void)
@@ -117,7 +150,7 @@ static void test_a_beam_beyond_the_map(void)
 
     occupy(&marked, 50, 24);
     ranges[0] = 1.0e30f;
-    jp_patrol_mark(&given, &marked, &scan, &scanner);
+    jp_patrol_mark(&given, &marked, &scan, &scanner, TOLERANCE);
     TEST_ASSERT_FALSE(is_marked(50, 24));
 }
 

@@ -325,6 +325,52 @@ static void test_a_robot_off_its_path_gets_one_from_where_it_is(void)
     TEST_ASSERT_TRUE(mission.path[0].y > JP_Q16(6.9));
 }
 
+/* It has come nearer to a shelf than any path keeps. */
+static void test_a_path_may_begin_beside_a_robot_that_stands_too_near(void)
+{
+    occupy(0.5f, 4.3f, 3.0f, 4.6f);
+    init();
+    start(6.05f, 4.05f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_UNDER_WAY, mission.state);
+    TEST_ASSERT_TRUE(mission.path[0].y < JP_Q16(4.0) && mission.path[0].y > JP_Q16(3.6));
+    drive_until(JP_MISSION_ARRIVED);
+    occupy(0.5f, 3.5f, 3.0f, 3.8f);
+    robot = (struct jp_plane_pose){1.5f, 4.05f, 0.0f};
+    init();
+    start(6.05f, 4.05f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_GIVEN_UP, mission.state);
+}
+
+/* Who gets on may be blocked as often as there are things in its way. */
+static void test_tries_begin_anew_where_it_has_got_on(void)
+{
+    start(6.05f, 4.05f, 0.0f);
+    mission.internal.tries = 5;
+    mission.internal.tried = (struct jp_plane_pose){6.05f, 7.05f, 0.0f};
+    rig_box(0.7f, 3.3f, 2.3f, 4.8f);
+    drive_until(JP_MISSION_GIVEN_UP);
+    TEST_ASSERT_EQUAL_UINT(6, mission.replans);
+    TEST_ASSERT_EQUAL_UINT8(6, mission.internal.tries);
+}
+
+/* Marks that close every way, and are of nothing. */
+static void test_marks_that_leave_no_path_are_forgotten(void)
+{
+    start(6.05f, 4.05f, 0.0f);
+    rig_box(0.7f, 3.3f, 2.3f, 4.8f);
+    for (int32_t y = 0; y < SIDE; y++) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_cell(&mission.internal.marked, 40, y, JP_CELL_OCCUPIED));
+    }
+    while (mission.internal.forgets == 0U && mission.replans < 5U) {
+        cycle();
+    }
+    TEST_ASSERT_EQUAL_UINT8(1, mission.internal.forgets);
+    TEST_ASSERT_TRUE(mission.internal.is_closed || mission.state == JP_MISSION_UNDER_WAY);
+    TEST_ASSERT_FALSE(jp_terrain_cell(&mission.internal.marked, 40, 2) == JP_CELL_OCCUPIED);
+    drive_until(JP_MISSION_GIVEN_UP);
+    TEST_ASSERT_EQUAL_UINT8(3, mission.internal.forgets);
+}
+
 /* Another path does not help it. */
 static void test_a_robot_in_a_collision_waits(void)
 {

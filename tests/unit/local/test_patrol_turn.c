@@ -360,3 +360,88 @@ static void test_goal_without_room_is_reached_with_its_heading(void)
     (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
     TEST_ASSERT_NEAR(0.08f, 0.5f * JP_PLANE_PI, robot.heading);
 }
+
+/* ---- Out of an aisle ---- */
+
+/* Facing east in a dead end that is too narrow to turn in, with room to turn at its mouth in the west. */
+static void stand_in_an_aisle(uint8_t strategy)
+{
+    config.strategy = strategy;
+    rig_init();
+    rig_wall(-2.5f, 0.45f, 0.6f, 0.45f);
+    rig_wall(-2.5f, -0.45f, 0.6f, -0.45f);
+    rig_wall(0.6f, -0.45f, 0.6f, 0.45f);
+    rig_straight(0.0f, 0.0f, -5.0f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(-5.0f, 0.0f, JP_PLANE_PI, true));
+}
+
+static void test_robot_backs_out_of_an_aisle(void)
+{
+    float back = 0.0f;
+
+    stand_in_an_aisle((uint8_t)JP_PATROL_BY_COST);
+    rig_cycle();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    while (patrol.state != JP_PATROL_TURNING && patrol.counts.cycles < RIG_LONG) {
+        rig_cycle();
+        TEST_ASSERT_TRUE(twist.x <= 0 && twist.x >= -JP_Q24(0.201));
+        back = jp_plane_smaller(back, robot.x);
+    }
+    TEST_ASSERT_TRUE(back < -2.0f);
+    TEST_ASSERT_TRUE(patrol.counts.steps > 2U);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_NEAR(0.1f, -5.0f, robot.x);
+}
+
+static void test_by_the_fixed_angle_it_does_not_back_out(void)
+{
+    stand_in_an_aisle((uint8_t)JP_PATROL_FIXED_ANGLE);
+    rig_cycle();
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+}
+
+/* As far as is free; then no step is worth it. */
+static void test_robot_backs_out_as_far_as_is_free(void)
+{
+    stand_in_an_aisle((uint8_t)JP_PATROL_BY_COST);
+    rig_wall(-0.9f, -0.4f, -0.9f, 0.4f);
+    rig_cycle();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(patrol.internal.step_target.x > -0.45f && patrol.internal.step_target.x < -0.05f);
+    wall_count--;
+    rig_wall(-0.5f, -0.4f, -0.5f, 0.4f);
+    (void)rig_until(JP_PATROL_WAITING, 20);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+    TEST_ASSERT_TRUE(robot.x > -0.1f);
+}
+
+/* Nor where its end is too near for a step, or not free. */
+static void test_robot_that_cannot_step_along_its_path_waits(void)
+{
+    const float ends[] = {-0.02f, -0.2f};
+
+    for (unsigned i = 0; i < 2U; i++) {
+        rig_reset();
+        config.strategy = (uint8_t)JP_PATROL_BY_COST;
+        config.position_tolerance = 0.01f;
+        rig_init();
+        rig_box(-0.45f, -0.35f, 0.45f, 0.35f);
+        rig_straight(0.0f, 0.0f, ends[i], 0.0f);
+        TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(ends[i], 0.0f, JP_PLANE_PI, true));
+        rig_cycle();
+        rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+    }
+}
+
+/* Where the path ends, no step along it is left. */
+static void test_robot_at_the_end_of_its_path_does_not_back_out(void)
+{
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    rig_init();
+    rig_box(-0.45f, -0.35f, 0.45f, 0.35f);
+    rig_straight(0.0f, 0.0f, 0.0f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.0f, 1.5f, false));
+    patrol.internal.is_arriving = true;
+    rig_cycle();
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+}
