@@ -68,10 +68,11 @@ static void bar_by_span(const struct jp_terrain *terrain, const struct jp_span *
         (void)memset(barred, 0xFF, words_of(terrain) * sizeof *barred);
         return;
     }
-    for (int32_t first = span->first; first <= span->last; first += (int32_t)WORD_BITS) {
-        const int32_t left = span->last - first + 1;
+    for (int32_t done = 0; done <= span->last - span->first; done += (int32_t)WORD_BITS) {
+        const int32_t left = span->last - span->first - done + 1;
 
-        bar_by_run(terrain, row, moved.dx + first, left < (int32_t)WORD_BITS ? (uint32_t)left : WORD_BITS, barred);
+        bar_by_run(terrain, row, moved.dx + span->first + done, left < (int32_t)WORD_BITS ? (uint32_t)left : WORD_BITS,
+                   barred);
     }
 }
 

@@ -14,7 +14,7 @@
 /* Costs with prices are coarser by this: so there is room for dear ways. */
 #define COARSER 4U
 
-#define HALF JP_Q24(0.5)
+#define GRADE_LIMIT JP_Q24(0.5)
 
 /* A length is made more precise in steps of bits. */
 #define LENGTH_BITS     4U
@@ -168,8 +168,8 @@ bool jp_grid_measure_back(struct jp_grid_planner_internal *planner, unsigned *bu
 /** Q8; by a grade in Q24. */
 static uint32_t slope_price(const struct jp_grid_planner_internal *planner, int64_t grade)
 {
-    const int64_t within = grade < -HALF ? -HALF : (grade > HALF ? HALF : grade);
-    const uint32_t at = (uint32_t)(within + HALF);
+    const int64_t within = grade < -GRADE_LIMIT ? -GRADE_LIMIT : (grade > GRADE_LIMIT ? GRADE_LIMIT : grade);
+    const uint32_t at = (uint32_t)(within + GRADE_LIMIT);
     const uint32_t index = at >> GRADE_BITS;
     const int32_t part = (int32_t)(at & ((UINT32_C(1) << GRADE_BITS) - 1U));
     const int32_t first = planner->slope[index];

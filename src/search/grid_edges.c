@@ -1,5 +1,7 @@
 #include "src/search/grid_edges.h"
 
+#include <stddef.h>
+
 enum {
     ONE = 65536,       /* a cell, Q16 */
     ROOT_HALF = 46341, /* 1/√2, Q16 */
@@ -118,10 +120,11 @@ static uint32_t cost_over_edge(const struct triangle *triangle)
 static uint32_t step_cost(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y,
                           const struct jp_grid_direction *d)
 {
-    const unsigned direction = (unsigned)(d - jp_grid_directions);
+    const ptrdiff_t direction = d - jp_grid_directions;
 
-    return jp_terrain_contains(planner->terrain, x + d->dx, y + d->dy) ? jp_grid_step_cost(planner, x, y, direction)
-                                                                       : 0U;
+    return jp_terrain_contains(planner->terrain, x + d->dx, y + d->dy)
+               ? jp_grid_step_cost(planner, x, y, (unsigned)direction)
+               : 0U;
 }
 
 /** Least cost of a node over the two edges that its settled neighbour in a direction is part of. */

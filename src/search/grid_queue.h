@@ -12,7 +12,7 @@
 #define GRID_DIRECTION_MASK  UINT32_C(0x0F000000)
 #define GRID_IN_TUBE         UINT32_C(0x10000000)
 #define GRID_RING_SHIFT      29U
-#define GRID_RING_MASK       UINT32_C(0xE0000000) /* its ring around what is blocked; 0: beyond all, or no prices */
+#define GRID_RING_MASK       0xE0000000U /* its ring around what is blocked; 0: beyond all, or no prices */
 
 #define GRID_COST_MAX UINT32_MAX
 

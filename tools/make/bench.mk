@@ -19,7 +19,10 @@ $(BUILD)/bench/target_%-$1.json: $(BUILD)/$1/target_%
 endef
 $(foreach v,$(SPEED_VARIANTS),$(eval $(call target_bench_rules,$v)))
 
-# The whole library and what it needs of the compiler's, to be measured and not to be run.
+# The whole library and what it needs of the compiler's, to be measured and not to be run. It is larger than the flash of the
+# Cortex-M0's board.
+WHOLE_BOARD.cortex-m0 := $(BOARD.cortex-m0-o2)
+
 define whole_rules
 $(BUILD)/$1/tests/target/whole.o: MODULE_FLAGS = -g -fno-eliminate-unused-debug-types
 
@@ -27,7 +30,7 @@ $(BUILD)/$1/whole: $(BUILD)/$1/tests/target/whole.o $(call support,$1) $(BUILD)/
 	@mkdir -p $$(@D)
 	$$(call SAY,LD $$@)
 	$$Q$$(COMPILER.$1) $(FLAGS.$1) -nostartfiles $(if $(filter cortex%,$1),--specs=nano.specs) -Wl,--no-gc-sections \
-	    -Ltests/target -Ttests/target/$(BOARD.$1).ld -Wl,--whole-archive $$(filter %.o %.a,$$^) -Wl,--no-whole-archive -o $$@
+	    -Ltests/target -Ttests/target/$(or $(WHOLE_BOARD.$1),$(BOARD.$1)).ld -Wl,--whole-archive $$(filter %.o %.a,$$^) -Wl,--no-whole-archive -o $$@
 endef
 $(foreach v,$(sort $(SPEED_VARIANTS) $(SIZE_VARIANTS)),$(eval $(call whole_rules,$v)))
 
