@@ -108,7 +108,7 @@ static const struct config_field fields[] = {
     REAL(turning.acceleration_rad_s2, 0.01, 100, "rad/s²"),
     REAL(turning.clearance_m, 0, 10, "m"),
     REAL(turning.glide_clearance_m, 0, 10, "m"),
-    REAL(turning.second_w, 0, 100000, "W"),
+    REAL(turning.second_w, 0, 1024, "W"),
     REAL(turning.step_m_s, 0.01, 16, "m/s"),
     REAL(patrol.horizon_m, 0.1, 100, "m"),
     REAL(patrol.position_tolerance_m, 0.005, 10, "m"),

@@ -185,17 +185,19 @@ static uint32_t slopes_of_step(const struct jp_grid_planner_internal *planner, i
                                const struct jp_grid_direction *d)
 {
     const struct jp_terrain *const terrain = planner->terrain;
-    const int32_t from = jp_terrain_elevation(terrain, x, y);
-    const int32_t to = jp_terrain_elevation(terrain, x + d->dx, y + d->dy);
+    const int64_t from = jp_terrain_elevation(terrain, x, y);
+    const int64_t to = jp_terrain_elevation(terrain, x + d->dx, y + d->dy);
 
     if (d->dx == 0 || d->dy == 0) {
         return 2U * slope_price(planner, (to - from) * planner->grade_per_unit);
     }
-    const int32_t corners =
+    const int64_t corners =
         from + to + jp_terrain_elevation(terrain, x + d->dx, y) + jp_terrain_elevation(terrain, x, y + d->dy);
     const int64_t per_unit = (planner->grade_per_unit * SHARE_OF_CORNER) >> 16;
+    const int64_t first = corners - 4 * from;
+    const int64_t second = 4 * to - corners;
 
-    return slope_price(planner, (corners - 4 * from) * per_unit) + slope_price(planner, (4 * to - corners) * per_unit);
+    return slope_price(planner, first * per_unit) + slope_price(planner, second * per_unit);
 }
 
 uint32_t jp_grid_step_cost(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y, unsigned direction)

@@ -1,7 +1,5 @@
 #include "src/search/grid_edges.h"
 
-#include <stddef.h>
-
 enum {
     ONE = 65536,       /* a cell, Q16 */
     ROOT_HALF = 46341, /* 1/√2, Q16 */
@@ -117,14 +115,12 @@ static uint32_t cost_over_edge(const struct triangle *triangle)
 }
 
 /** Off the map, where nothing is settled, any. */
-static uint32_t step_cost(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y,
-                          const struct jp_grid_direction *d)
+static uint32_t step_cost(const struct jp_grid_planner_internal *planner, int32_t x, int32_t y, unsigned direction)
 {
-    const ptrdiff_t direction = d - jp_grid_directions;
+    const struct jp_grid_direction *const d = &jp_grid_directions[direction];
 
-    return jp_terrain_contains(planner->terrain, x + d->dx, y + d->dy)
-               ? jp_grid_step_cost(planner, x, y, (unsigned)direction)
-               : 0U;
+    return jp_terrain_contains(planner->terrain, x + d->dx, y + d->dy) ? jp_grid_step_cost(planner, x, y, direction)
+                                                                       : 0U;
 }
 
 /** Least cost of a node over the two edges that its settled neighbour in a direction is part of. */
@@ -136,14 +132,16 @@ static uint32_t cost_over_neighbour(const struct jp_grid_planner_internal *plann
 
     for (unsigned side = 0; side < 2U; side++) {
         const unsigned partner = (direction + (side == 0U ? 1U : around)) & around;
-        const struct jp_grid_direction *straight = &jp_grid_directions[direction % 2U == 0U ? direction : partner];
-        const struct jp_grid_direction *diagonal = &jp_grid_directions[direction % 2U == 0U ? partner : direction];
+        const unsigned along = direction % 2U == 0U ? direction : partner;
+        const unsigned across = direction % 2U == 0U ? partner : direction;
+        const struct jp_grid_direction *straight = &jp_grid_directions[along];
+        const struct jp_grid_direction *diagonal = &jp_grid_directions[across];
         if (jp_grid_is_blocked(planner, x + straight->dx, y + straight->dy)) {
             continue;
         }
         const struct triangle triangle = {settled_cost(planner, x + straight->dx, y + straight->dy),
                                           settled_cost(planner, x + diagonal->dx, y + diagonal->dy),
-                                          step_cost(planner, x, y, straight), step_cost(planner, x, y, diagonal)};
+                                          step_cost(planner, x, y, along), step_cost(planner, x, y, across)};
         const uint32_t cost = cost_over_edge(&triangle);
         least = cost < least ? cost : least;
     }

@@ -11,7 +11,7 @@
 
 enum {
     SIDE = 24, /* cells of 0.1 m */
-    BLOCK_BYTES = 7 * 1024,
+    BLOCK_BYTES = 7 * 1024 - 64,
     LEGS_MAX = 12,
     TARGETS_MAX = 16,
     WORK_MAX = 60000

@@ -208,7 +208,8 @@ def test_the_controllers_program_drives_to_its_goal(tmp_path):
     assert result.returncode == 0, result.stdout + result.stderr
     told = json.loads((tmp_path / "out" / "result.json").read_text())
     assert told["arrived"] and told["goal_error_m"] < 0.05 + CELL and told["goal_error_deg"] < 2.5
-    assert told["metered_j"] == pytest.approx(metered_in_our_world(tmp_path / "ours", *task), rel=0.1)
+    # Of so short a drive a step into the goal, which one world may need and the other not, is a fifth.
+    assert told["metered_j"] == pytest.approx(metered_in_our_world(tmp_path / "ours", *task), rel=0.25)
     assert (tmp_path / "out" / "map.png").read_bytes().startswith(b"\x89PNG")
 
 
