@@ -340,7 +340,7 @@ LIMITS = [
     ("MODES_MAX", 3, "travel: 7 modes last longer than 0.5 s, the tables hold 3"),
     ("CONDITION_MAX", 5, "cannot be told"),
     ("STEP_MAX", 0.1, "travel.storage"),
-    ("OWN_STORAGE_MAX", 1e-7, "travel.step"),
+    ("OWN_STORAGE_MAX", 1e-4, "travel.step"),
 ]
 ACCURACIES = [
     ("MEAN_ERROR_MAX", 1e-12, "miss the linear loop's energy"),
