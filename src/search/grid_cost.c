@@ -211,7 +211,7 @@ uint32_t jp_grid_step_cost(const struct jp_grid_planner_internal *planner, int32
     const uint32_t level = jp_grid_level_price(planner, x, y) + jp_grid_level_price(planner, x + d->dx, y + d->dy);
     const uint32_t slopes = planner->terrain->config.has_elevation ? slopes_of_step(planner, x, y, d) : 0U;
 
-    return length * (level + slopes) / (2U * PRICE_ONE);
+    return length * (level + slopes) / (2U * (uint32_t)PRICE_ONE);
 }
 
 /* ---- Lines ---- */
@@ -290,7 +290,7 @@ uint64_t jp_grid_line_price(const struct jp_grid_planner_internal *planner, cons
     const struct jp_terrain_config *const map = &planner->terrain->config;
 
     if (!planner->is_priced) {
-        return (uint64_t)jp_distance(from, to) * PRICE_ONE;
+        return (uint64_t)jp_distance(from, to) * (uint64_t)PRICE_ONE;
     }
     const struct length length = length_of(from, to);
     struct axis x = axis_of(from->x, to->x, map->resolution);
@@ -326,8 +326,9 @@ unsigned jp_grid_line_units(const struct jp_grid_planner_internal *planner, cons
     const int32_t dx = from->x < to->x ? to->x - from->x : from->x - to->x;
     const int32_t dy = from->y < to->y ? to->y - from->y : from->y - to->y;
     const int32_t cells = (dx + dy) / planner->terrain->config.resolution;
+    const int32_t units = cells / (int32_t)LINE_CELLS_PER_UNIT;
 
-    return planner->is_priced ? 1U + (unsigned)(cells / (int32_t)LINE_CELLS_PER_UNIT) : 1U;
+    return planner->is_priced ? 1U + (unsigned)units : 1U;
 }
 
 uint32_t jp_grid_line_cost(const struct jp_grid_planner_internal *planner, const struct jp_point *from,
@@ -335,5 +336,6 @@ uint32_t jp_grid_line_cost(const struct jp_grid_planner_internal *planner, const
 {
     const uint64_t price = jp_grid_line_price(planner, from, to); /* at most 2⁴⁵ */
 
-    return (uint32_t)(price * (planner->straight / PRICE_ONE) / (uint64_t)planner->terrain->config.resolution);
+    return (uint32_t)(price * (planner->straight / (uint32_t)PRICE_ONE) /
+                      (uint64_t)planner->terrain->config.resolution);
 }
