@@ -11,6 +11,7 @@
 
 #include "sim/base/parallel.h"
 #include "sim/missions/patrol_mission.h"
+#include "tests/bench/drive_options.h"
 #include "tests/bench/figures.h"
 
 #define COMMAND    "make bench-patrol"
@@ -53,12 +54,7 @@ struct campaign {
     struct pair pairs[PATROL_SCENES][DRIVES_MAX];
 };
 
-struct options {
-    uint64_t seed;
-    size_t count;
-};
-
-static struct options options = {.seed = 1101, .count = DRIVES_MAX};
+static struct drive_options options = {.seed = 1101, .count = DRIVES_MAX, .count_max = DRIVES_MAX};
 
 /* ---- Driving ---- */
 
@@ -236,38 +232,13 @@ static void add_figures(json_t *figures, const char *name, const struct summary 
 
 /* ---- Program ---- */
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
-{
-    char *end;
-
-    if (key != 's' && key != 'n') {
-        return ARGP_ERR_UNKNOWN;
-    }
-    const unsigned long value = strtoul(argument, &end, 10);
-
-    if (*end != '\0' || (key == 'n' && (value < 1 || value > DRIVES_MAX))) {
-        argp_error(state, "%s: no number of its range", argument);
-    }
-    if (key == 's') {
-        options.seed = value;
-    } else {
-        options.count = value;
-    }
-    return 0;
-}
-
 int main(int argc, char **argv)
 {
-    static const struct argp_option known[] = {
-        {"seed", 's', "FIRST", 0, "first seed", 0}, {"count", 'n', "N", 0, "drives a scene, at most 400", 0}, {0}};
-    static const struct argp parser = {known, parse_option, NULL, "Measures the patrol beside path following.",
-                                       NULL,  NULL,         NULL};
     static struct campaign campaign;
     struct summary all = {0};
     json_t *figures = json_array();
 
-    argp_err_exit_status = ERROR_EXIT;
-    (void)argp_parse(&parser, argc, argv, 0, NULL, NULL);
+    parse_drive_options(argc, argv, "Measures the patrol beside path following.", &options);
     if (!four_wheel_file_load(ROBOT_PATH, &campaign.robot)) {
         return ERROR_EXIT;
     }

@@ -3,11 +3,14 @@
  * JSON, drives that do not end as they should on stderr; maps (tools/design/import_map.py) are the arguments.
  *
  * bench_patrol_plans [--seed FIRST] [--count N] MAP.json… */
-#include <argp.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
-#include "sim/base/command_line.h"
+#include "sim/base/error.h"
 #include "sim/base/parallel.h"
 #include "sim/missions/patrol_mission.h"
+#include "tests/bench/drive_options.h"
 #include "tests/bench/figures.h"
 #include "tests/bench/random_goals.h"
 
@@ -17,14 +20,10 @@
 /* Ways whose planned lengths differ by more are other ways, m. */
 #define OTHER_WAY 0.05
 
-enum { MAPS_MAX = 16, DRIVES_MAX = 1000 };
+enum { DRIVES_MAX = 1000 };
 
-static struct options {
-    uint64_t seed;
-    size_t count;
-    const char *maps[MAPS_MAX];
-    size_t map_count;
-} options = {.seed = 510001, .count = 40};
+static struct drive_options options = {
+    .seed = 510001, .count = 40, .count_max = DRIVES_MAX, .maps_max = DRIVE_MAPS_MAX};
 
 struct pair {
     bool is_reachable;
@@ -34,8 +33,8 @@ struct pair {
 
 struct campaign {
     struct four_wheel_file robot;
-    char names[MAPS_MAX][PATROL_SCENE_NAME_SIZE];
-    struct pair pairs[MAPS_MAX][DRIVES_MAX];
+    char names[DRIVE_MAPS_MAX][PATROL_SCENE_NAME_SIZE];
+    struct pair pairs[DRIVE_MAPS_MAX][DRIVES_MAX];
 };
 
 /* ---- Drives ---- */
@@ -181,45 +180,12 @@ static void add_map(json_t *figures, const struct campaign *campaign, size_t map
 
 /* ---- Program ---- */
 
-static error_t parse_option(int key, char *argument, struct argp_state *state)
-{
-    char *end;
-
-    if (key == ARGP_KEY_ARG && options.map_count < MAPS_MAX) {
-        options.maps[options.map_count++] = argument;
-        return 0;
-    }
-    if (key == ARGP_KEY_END && options.map_count == 0) {
-        argp_error(state, "no map is given");
-    }
-    if (key != 's' && key != 'n') {
-        return ARGP_ERR_UNKNOWN;
-    }
-    const unsigned long value = strtoul(argument, &end, 10);
-
-    if (*end != '\0' || (key == 'n' && (value < 1 || value > DRIVES_MAX))) {
-        argp_error(state, "%s: no number of its range", argument);
-    }
-    if (key == 's') {
-        options.seed = value;
-    } else {
-        options.count = value;
-    }
-    return 0;
-}
-
 int main(int argc, char **argv)
 {
-    static const struct argp_option known[] = {
-        {"seed", 's', "FIRST", 0, "first seed", 0}, {"count", 'n', "N", 0, "goals a map, at most 1000", 0}, {0}};
-    static const struct argp parser = {
-        known, parse_option, "MAP.json...", "Measures what planning by joules brings the patrol robot.",
-        NULL,  NULL,         NULL};
     static struct campaign campaign;
     json_t *figures = json_array();
 
-    argp_err_exit_status = ERROR_EXIT;
-    (void)argp_parse(&parser, argc, argv, 0, NULL, NULL);
+    parse_drive_options(argc, argv, "Measures what planning by joules brings the patrol robot.", &options);
     if (!four_wheel_file_load(ROBOT_PATH, &campaign.robot)) {
         return ERROR_EXIT;
     }
