@@ -41,8 +41,8 @@ struct jp_grid_prices {
  * What a metre takes a robot with four steered wheels at a steady speed, with nothing near: its energy and the price of
  * its time, by what a second less is worth beyond its energy, W, 0…1 024. The model must have passed its check.
  * JP_ERR_ARGUMENT: a null pointer, a value out of its range, or a speed outside 1/256…8 m/s; *prices is not written.
- * JP_ERR_OVERFLOW: a metre takes 16 384 J or more; likewise. A rise beyond ±32 767 J is saturated. Work: 35 times
- * jp_four_wheel_energy_add().
+ * JP_ERR_OVERFLOW: a metre takes 16 384 J or more; likewise. A rise beyond ±32 767 J is saturated. Work: JP_GRID_GRADES
+ * times jp_four_wheel_energy_metre().
  */
 enum jp_status jp_grid_prices_set(const struct jp_four_wheel_energy_model *model, jp_q24 speed, jp_q16 second,
                                   struct jp_grid_prices *prices);

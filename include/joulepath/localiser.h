@@ -86,9 +86,8 @@ struct jp_localiser_config {
     struct jp_localiser_drift wheels;
     float start_distance; /**< standard deviation of the pose at the start, m; 0.001…10 */
     float start_turn;     /**< rad; 0.001…1 */
-    float
-        lost_distance; /**< beyond this standard deviation of the position it is lost, unless in the open, m; 0.01…10 */
-    float lost_turn;   /**< of the heading, rad; 0.01…1 */
+    float lost_distance;  /**< standard deviation beyond which it is lost, unless in the open, m; 0.01…10 */
+    float lost_turn;      /**< of the heading, rad; 0.01…1 */
 };
 
 /** What is known in a cycle. */
