@@ -14,12 +14,16 @@
  * Before it leaves for a place p the robot takes what it foretells of the way there, of its stay, and of the way from p
  * to the charger, E ± σ, and goes home instead unless what the battery holds is at least
  *
- *   reserve + E + deviations σ
+ *   reserve + E + deviations σ + X
  *
- * where the deviations of the parts are added, as legs may err alike: 1.645 deviations are 95 %. So at each place the
- * way home was foretold to be paid for. On its way it turns home when what is left of the leg and the way home from its
- * end would no longer be; a stay that the way took too much for ends early. What each way takes is surveyed on the map
- * before it sets out, and again at each charge, by then with what was learned.
+ * where the deviations of the parts are added, as legs may err alike: 1.645 deviations are 95 %. X is for who stands in
+ * the way, which is no matter of deviations: most journeys meet nobody, and one waits for a minute. It is the most that
+ * one of the last JP_ROUND_JOURNEYS took beyond its forecast, whether it came to its end or not; the next one takes
+ * more with 1/(JP_ROUND_JOURNEYS + 1), 5 %, whatever their distribution is. Before there have been so many it is a wait
+ * of JP_ROUND_WAIT at least. So at each place the way home was foretold to be paid for. On its way the robot turns home
+ * when what is left of the leg and the way home from its end would no longer be; a stay that the way took too much for
+ * ends early. What each way takes is surveyed on the map before it sets out, and again at each charge, by then with
+ * what was learned.
  *
  * People may stand in its way. A place that it does not get to is left out; when it gets nowhere any more it waits for
  * JP_ROUND_WAIT seconds, forgets what its scans have marked, and tries to get home, again and again.
@@ -39,6 +43,9 @@ extern "C" {
 
 /** Who stands in the way is waited for, s. */
 #define JP_ROUND_WAIT 30.0f
+
+/** Last journeys to a place or home of which is known what they took beyond their forecast. */
+#define JP_ROUND_JOURNEYS 20U
 
 struct jp_patrol_stop {
     struct jp_plane_pose pose;
@@ -92,7 +99,12 @@ struct jp_patrol_round {
         bool is_asked;      /* for the next one */
         bool is_at_charger; /* else at the stop before */
         float stayed;       /* at a place, or waiting, s */
-        uint16_t failures;  /* places in a row that were given up */
+        float set_out_with; /* energy in the battery when the journey began, J; tries to get home are one journey */
+        float foretold;     /* of the journey by its first plan, J */
+        bool is_foretold;
+        float excesses[JP_ROUND_JOURNEYS]; /* of the last journeys beyond that, J; 0 or more */
+        uint32_t journeys;                 /* saturating */
+        uint16_t failures;                 /* places in a row that were given up */
     } internal;
 };
 

@@ -173,10 +173,22 @@ static float bound_of(const struct jp_patrol_round *round, const struct jp_patro
     return pace_since(round) * (forecast->energy + round->internal.config.deviations * forecast->deviation);
 }
 
+/** What a journey may take beyond its forecast, for who stands in the way. */
+static float excess_expected(const struct jp_patrol_round *round)
+{
+    const uint32_t known = round->internal.journeys < JP_ROUND_JOURNEYS ? round->internal.journeys : JP_ROUND_JOURNEYS;
+    float most = known < JP_ROUND_JOURNEYS ? JP_ROUND_WAIT * round->internal.config.standing_power : 0.0f;
+
+    for (uint32_t i = 0; i < known; i++) {
+        most = jp_plane_larger(most, round->internal.excesses[i]);
+    }
+    return most;
+}
+
 /** From the stop. */
 static float needed_home(const struct jp_patrol_round *round, uint16_t stop)
 {
-    return round->internal.config.reserve + bound_of(round, &round->internal.home[stop]);
+    return round->internal.config.reserve + bound_of(round, &round->internal.home[stop]) + excess_expected(round);
 }
 
 /** To the stop, there, and home again. */
@@ -189,16 +201,33 @@ static float needed_for(const struct jp_patrol_round *round, uint16_t stop)
     return bound_of(round, leg) + config->standing_power * config->stops[stop].dwell + needed_home(round, stop);
 }
 
-/** On the way to a stop: what is left of it, and home from there. */
-static bool must_turn_back(const struct jp_patrol_round *round, float available)
-{
-    struct jp_patrol_leg_forecast left;
-    float length;
+/* Journeys. */
 
-    if (jp_patrol_pilot_progress(round->internal.pilot, &length, &left) != JP_OK) {
-        return false;
+static void begin_journey(struct jp_patrol_round *round, float available)
+{
+    round->internal.set_out_with = available;
+    round->internal.is_foretold = false;
+}
+
+/** By its first plan. */
+static void foretell_journey(struct jp_patrol_round *round, const struct jp_patrol_leg_forecast *left, float available)
+{
+    if (!round->internal.is_foretold) {
+        round->internal.foretold = round->internal.set_out_with - available + left->energy;
+        round->internal.is_foretold = true;
     }
-    return available < bound_of(round, &left) + needed_home(round, round->stop);
+}
+
+/** It ends, or is broken off where so much of it was left, J. */
+static void end_journey(struct jp_patrol_round *round, float left, float available)
+{
+    const float taken = round->internal.set_out_with - available + left;
+
+    if (round->internal.is_foretold) {
+        round->internal.excesses[round->internal.journeys % JP_ROUND_JOURNEYS] =
+            jp_plane_larger(taken - round->internal.foretold, 0.0f);
+        round->internal.journeys = jp_one_more32(round->internal.journeys);
+    }
 }
 
 /* Legs. */
@@ -220,6 +249,12 @@ static void go_home(struct jp_patrol_round *round)
     go(round, round->internal.config.stop_count, JP_ROUND_HOMING);
 }
 
+static void set_out_home(struct jp_patrol_round *round, float available)
+{
+    begin_journey(round, available);
+    go_home(round);
+}
+
 static uint16_t next_stop(const struct jp_patrol_round *round)
 {
     return (uint16_t)((round->stop + 1U) % round->internal.config.stop_count);
@@ -229,9 +264,10 @@ static uint16_t next_stop(const struct jp_patrol_round *round)
 static void leave_for(struct jp_patrol_round *round, uint16_t stop, float available)
 {
     if (available >= needed_for(round, stop)) {
+        begin_journey(round, available);
         go(round, stop, JP_ROUND_LEAVING);
     } else if (!round->internal.is_at_charger) {
-        go_home(round);
+        set_out_home(round, available);
     } else {
         round->stop = stop;
         fail(round, JP_ROUND_NO_ENERGY);
@@ -256,6 +292,7 @@ static bool has_reached(const struct jp_patrol_round *round)
 
 static void arrive(struct jp_patrol_round *round, float available)
 {
+    end_journey(round, 0.0f, available);
     round->internal.failures = 0;
     round->reason = JP_ROUND_NO_REASON;
     if (round->state == JP_ROUND_LEAVING) {
@@ -292,6 +329,10 @@ static void pass_over(struct jp_patrol_round *round, float available)
     const bool is_home = round->state == JP_ROUND_HOMING;
 
     round->internal.failures = jp_one_more16(round->internal.failures);
+    if (!is_home) {
+        end_journey(round, 0.0f, available);
+        begin_journey(round, available);
+    }
     if (jp_four_wheel_robot_state_now(round->internal.pilot->internal.robot) == JP_FOUR_WHEEL_ROBOT_IDLE) {
         fail(round, JP_ROUND_DRIVES_OFF);
     } else if (round->internal.failures > round->internal.config.stop_count) {
@@ -305,12 +346,26 @@ static void pass_over(struct jp_patrol_round *round, float available)
     }
 }
 
+/** On its way: to a stop it turns back when what is left, and home from there, would take more than there is. */
+static void be_under_way(struct jp_patrol_round *round, float available)
+{
+    struct jp_patrol_leg_forecast left;
+    float length;
+
+    if (jp_patrol_pilot_progress(round->internal.pilot, &length, &left) != JP_OK) {
+        return;
+    }
+    foretell_journey(round, &left, available);
+    if (round->state == JP_ROUND_LEAVING && available < bound_of(round, &left) + needed_home(round, round->stop)) {
+        end_journey(round, left.energy, available);
+        set_out_home(round, available);
+    }
+}
+
 static void drive(struct jp_patrol_round *round, float available)
 {
     if (jp_patrol_pilot_is_under_way(round->internal.pilot)) {
-        if (round->state == JP_ROUND_LEAVING && must_turn_back(round, available)) {
-            go_home(round);
-        }
+        be_under_way(round, available);
     } else if (has_reached(round)) {
         arrive(round, available);
     } else {
@@ -322,7 +377,7 @@ static void dwell(struct jp_patrol_round *round, float available, float seconds)
 {
     round->internal.stayed += seconds;
     if (available < needed_home(round, round->stop)) {
-        go_home(round);
+        set_out_home(round, available);
     } else if (round->internal.stayed >= round->internal.config.stops[round->stop].dwell) {
         leave_for(round, next_stop(round), available);
     }

@@ -131,6 +131,16 @@ static float distance_to(const struct jp_plane_pose *place)
     return jp_plane_length(room.pose.x - place->x, room.pose.y - place->y);
 }
 
+/* A pilot that gives up, as if somebody stood in the way. */
+static void give_up(void)
+{
+    while (!jp_patrol_pilot_is_under_way(&pilot)) {
+        tick();
+    }
+    jp_patrol_pilot_stop(&pilot);
+    tick();
+}
+
 /* The configuration. */
 
 static void expect_refusal(const char *name)
@@ -198,8 +208,6 @@ static void test_it_goes_round_and_stays_at_each_place(void)
 
 static void test_it_is_home_while_the_energy_lasts_and_goes_on(void)
 {
-    config.full = 2500.0f;
-    available = 2500.0f;
     begin();
     switch_on();
     while (round_trip.charges < 3 && ticks < 3U * PATIENCE && round_trip.state != JP_ROUND_FAILED) {
@@ -209,9 +217,85 @@ static void test_it_is_home_while_the_energy_lasts_and_goes_on(void)
     TEST_ASSERT_EQUAL_UINT32(3, round_trip.charges);
     TEST_ASSERT_TRUE(distance_to(&home) < 0.15f);
     TEST_ASSERT_TRUE(round_trip.least_left >= config.reserve);
-    TEST_ASSERT_TRUE(round_trip.visits >= 6);
+    TEST_ASSERT_TRUE(round_trip.visits >= JP_ROUND_JOURNEYS);
     /* It does not come home for nothing either. */
-    TEST_ASSERT_TRUE(round_trip.least_left < 1500.0f);
+    TEST_ASSERT_TRUE(round_trip.least_left < 1000.0f);
+}
+
+/** Joules with which it would just not leave for home from its place, but for who stands in the way. */
+static float needed_alone(void)
+{
+    const struct jp_patrol_leg_forecast *way = &round_trip.internal.home[round_trip.stop];
+
+    return config.reserve + way->energy + config.deviations * way->deviation;
+}
+
+static void test_before_it_knows_its_journeys_it_expects_to_wait_on_its_way_home(void)
+{
+    config.stops[0].dwell = 60.0f;
+    config.full = 10000.0f;
+    available = config.full;
+    begin();
+    switch_on();
+    pass_until(JP_ROUND_DWELLING);
+    available = needed_alone() + JP_ROUND_WAIT * config.standing_power - 50.0f;
+    tick();
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_HOMING, round_trip.state);
+}
+
+static void test_after_journeys_that_met_nobody_it_stays_longer(void)
+{
+    config.full = 50000.0f;
+    available = config.full;
+    begin();
+    switch_on();
+    while (round_trip.visits <= JP_ROUND_JOURNEYS && ticks < 3U * PATIENCE) {
+        tick();
+    }
+    pass_until(JP_ROUND_LEAVING);
+    pass_until(JP_ROUND_DWELLING);
+    available = 2.0f * needed_alone();
+    TEST_ASSERT_TRUE(2.0f * needed_alone() < needed_alone() + JP_ROUND_WAIT * config.standing_power);
+    tick();
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_DWELLING, round_trip.state);
+}
+
+static void test_what_one_journey_took_for_who_stood_in_its_way_is_kept_for_the_way_home(void)
+{
+    config.full = 50000.0f;
+    config.stops[0].dwell = 60.0f;
+    available = config.full;
+    begin();
+    switch_on();
+    pass_until(JP_ROUND_LEAVING);
+    for (unsigned i = 0; i < 200; i++) {
+        tick();
+    }
+    available -= 5000.0f; /* as if it had waited */
+    pass_until(JP_ROUND_DWELLING);
+    available = needed_alone() + 4500.0f;
+    tick();
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_HOMING, round_trip.state);
+}
+
+static void test_a_journey_that_is_given_up_counts_too(void)
+{
+    config.full = 50000.0f;
+    config.stops[1].dwell = 60.0f;
+    available = config.full;
+    begin();
+    switch_on();
+    pass_until(JP_ROUND_LEAVING);
+    for (unsigned i = 0; i < 200; i++) {
+        tick();
+    }
+    available -= 5000.0f;
+    give_up();
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_LEAVING, round_trip.state);
+    pass_until(JP_ROUND_DWELLING);
+    available = needed_alone() + 4000.0f;
+    tick();
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_HOMING, round_trip.state);
 }
 
 static void test_the_energy_runs_out_faster_than_foretold(void)
@@ -292,16 +376,6 @@ static void test_switched_off_under_way_it_gives_up(void)
     TEST_ASSERT_EQUAL_INT(JP_ROUND_DRIVES_OFF, round_trip.reason);
 }
 
-/* A pilot that gives up, as if somebody stood in the way. */
-static void give_up(void)
-{
-    while (!jp_patrol_pilot_is_under_way(&pilot)) {
-        tick();
-    }
-    jp_patrol_pilot_stop(&pilot);
-    tick();
-}
-
 static void test_a_place_that_cannot_be_reached_now_is_left_out(void)
 {
     begin();
@@ -344,12 +418,13 @@ static void test_with_too_little_after_a_stay_it_goes_home(void)
 static void test_a_stay_ends_early_when_the_way_there_took_too_much(void)
 {
     config.stops[0].dwell = 60.0f;
+    config.full = 10000.0f;
+    available = config.full;
     begin();
     switch_on();
     pass_until(JP_ROUND_DWELLING);
     const uint32_t since = ticks;
-    const float needed =
-        config.reserve + round_trip.internal.home[0].energy + config.deviations * round_trip.internal.home[0].deviation;
+    const float needed = needed_alone() + JP_ROUND_WAIT * config.standing_power;
 
     available = needed + 100.0f; /* which standing takes within seconds */
     pass_until_not(JP_ROUND_DWELLING);
