@@ -28,6 +28,7 @@ static const struct {
 struct counts {
     unsigned touched;
     unsigned wrong;
+    unsigned beside; /* of these, that arrived by what they know of their place */
     unsigned short_of_memory;
     unsigned arrived;
     unsigned unreachable;
@@ -47,6 +48,7 @@ static void count(struct counts *counts, const struct navigate_trial *trial)
     counts->touched += result->is_touched;
     counts->short_of_memory += is_short;
     counts->wrong += !trial->is_right && !result->is_touched && !is_short;
+    counts->beside += !trial->is_right && !result->is_touched && has_arrived;
     counts->arrived += has_arrived;
     counts->unreachable += result->state == JP_NAVIGATOR_UNREACHABLE;
     counts->replans += result->replans;
@@ -90,6 +92,8 @@ static void bench(json_t *figures, size_t index)
     add(figures, name, "drives that touched something", counts.touched, "", equal_to(0));
     add(figures, name, "goals that can be reached and were not, or that cannot and nobody said so", counts.wrong, "",
         equal_to(0));
+    add(figures, name, "of these, arrived by their own odometry, and more than 10 cm beside the goal", counts.beside, "",
+        no_bar);
     add(figures, name, "drives that ended for want of memory", counts.short_of_memory, "",
         cases[index].is_ample ? equal_to(0) : no_bar);
     add(figures, name, "arrived", counts.arrived, "", no_bar);
