@@ -92,8 +92,8 @@ static void bench(json_t *figures, size_t index)
     add(figures, name, "drives that touched something", counts.touched, "", equal_to(0));
     add(figures, name, "goals that can be reached and were not, or that cannot and nobody said so", counts.wrong, "",
         equal_to(0));
-    add(figures, name, "of these, arrived by their own odometry, and more than 10 cm beside the goal", counts.beside, "",
-        no_bar);
+    add(figures, name, "of these, arrived by their own odometry, and more than 10 cm beside the goal", counts.beside,
+        "", no_bar);
     add(figures, name, "drives that ended for want of memory", counts.short_of_memory, "",
         cases[index].is_ample ? equal_to(0) : no_bar);
     add(figures, name, "arrived", counts.arrived, "", no_bar);
