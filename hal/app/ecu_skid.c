@@ -424,6 +424,14 @@ static enum jp_stored restore(struct jp_ecu_skid *skid, const struct jp_ecu_skid
     return config->state->identity == 0U ? JP_STORED_NOTHING : JP_STORED_OTHER_TABLES;
 }
 
+/** The gyro is the same when its energy was learned with other tables. */
+static void know_gyro(struct jp_ecu_skid *skid, const struct jp_ecu_skid_config *config)
+{
+    if (config->stored == JP_STORED_TAKEN) {
+        jp_skid_robot_know_gyro_scale(&skid->robot, config->scale);
+    }
+}
+
 /** W, of a steady drive straight on at the highest speed that is planned, on level ground. */
 static jp_q16 cruise_power(const struct jp_ecu_skid_config *config)
 {
@@ -440,7 +448,7 @@ enum jp_status jp_ecu_skid_init(struct jp_ecu_skid *skid, const struct jp_ecu_sk
     enum jp_status status;
 
     if (skid == NULL || config == NULL || config->limits == NULL || robot == NULL ||
-        (config->stored == JP_STORED_TAKEN && config->state == NULL)) {
+        (config->stored == JP_STORED_TAKEN && (config->state == NULL || config->scale == NULL))) {
         return JP_ERR_ARGUMENT;
     }
     *skid = (struct jp_ecu_skid){
@@ -448,6 +456,7 @@ enum jp_status jp_ecu_skid_init(struct jp_ecu_skid *skid, const struct jp_ecu_sk
     status = prepare(skid, config, field);
     if (status == JP_OK) {
         skid->stored = restore(skid, config);
+        know_gyro(skid, config);
         take_up_lessons(skid);
         skid->internal.cruise = cruise_power(config);
         *robot = (struct jp_ecu_robot){.kind = &skid_kind,
@@ -456,4 +465,12 @@ enum jp_status jp_ecu_skid_init(struct jp_ecu_skid *skid, const struct jp_ecu_sk
                                        .monitor = &config->robot->monitor};
     }
     return status;
+}
+
+struct jp_gyro_scale jp_ecu_skid_gyro_scale(const struct jp_ecu_skid *skid)
+{
+    struct jp_gyro_scale scale;
+
+    jp_skid_odometry_scale(jp_skid_robot_odometry(&skid->robot), &config_of(skid)->odometry, &scale);
+    return scale;
 }

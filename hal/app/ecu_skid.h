@@ -21,6 +21,7 @@ struct jp_ecu_skid_config {
     jp_q24 goal_corner;                   /**< the same on the way to a goal on a map: the navigator's margin at most */
     enum jp_stored stored;                /**< what jp_parameters_start() found */
     const struct jp_learned_state *state; /**< taken with JP_STORED_TAKEN, else it may be null; copied */
+    const struct jp_gyro_scale *scale;    /**< the same of its gyro */
 };
 
 /** The members but `internal` may be read: the robot as its accessors say, the others from the background. */
@@ -47,6 +48,9 @@ struct jp_ecu_skid {
  *  jp_skid_pilot_init(). Not for ISRs. */
 enum jp_status jp_ecu_skid_init(struct jp_ecu_skid *skid, const struct jp_ecu_skid_config *config,
                                 struct jp_ecu_robot *robot, const char **field);
+
+/** What it knows of its gyro now, to be kept. Not for ISRs. */
+struct jp_gyro_scale jp_ecu_skid_gyro_scale(const struct jp_ecu_skid *skid);
 
 #ifdef __cplusplus
 }

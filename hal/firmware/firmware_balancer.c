@@ -82,3 +82,9 @@ int64_t jp_firmware_gyro_bias(void)
     (void)jp_robot_telemetry(&balancer.robot, &telemetry);
     return telemetry.gyro_bias;
 }
+
+/** Its heading is that of its wheels. */
+struct jp_gyro_scale jp_firmware_gyro_scale(void)
+{
+    return (struct jp_gyro_scale){0};
+}

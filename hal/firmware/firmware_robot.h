@@ -49,5 +49,6 @@ void jp_firmware_know_gyro_bias(int64_t bias);
 
 /** As learned now. */
 int64_t jp_firmware_gyro_bias(void);
+struct jp_gyro_scale jp_firmware_gyro_scale(void);
 
 #endif

@@ -65,7 +65,8 @@ enum jp_status jp_firmware_boot(struct jp_ecu *ecu, const struct jp_firmware_sta
                                               .corner = FIRMWARE_PATH_LIMITS.width / 2,
                                               .goal_corner = FIRMWARE_GOAL_CORNER,
                                               .stored = start->stored,
-                                              .state = &start->parameters->energy};
+                                              .state = &start->parameters->energy,
+                                              .scale = &start->parameters->gyro_scale};
     struct jp_ecu_robot robot;
     enum jp_status status = jp_ecu_skid_init(&skid, &config, &robot, field);
 
@@ -98,4 +99,9 @@ void jp_firmware_know_gyro_bias(int64_t bias)
 int64_t jp_firmware_gyro_bias(void)
 {
     return 0;
+}
+
+struct jp_gyro_scale jp_firmware_gyro_scale(void)
+{
+    return jp_ecu_skid_gyro_scale(&skid);
 }

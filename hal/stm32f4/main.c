@@ -277,6 +277,7 @@ static void keep_parameters(void)
         learned.energy = *energy;
     }
     learned.gyro_bias = jp_firmware_gyro_bias();
+    learned.gyro_scale = jp_firmware_gyro_scale();
     learned.current_zero_left = devices.analog.zero_left;
     learned.current_zero_right = devices.analog.zero_right;
     if (!jp_parameters_differ(&learned, &parameters)) {

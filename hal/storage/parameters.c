@@ -9,9 +9,10 @@
 #define NUMBERS_OFFSET  8U
 #define LEARNED_NUMBERS 23U
 
-/** Less is not worth a write: 0.0001 turn/s in 2⁻⁵⁶ turn/s, and counts. */
-#define BIAS_STEP ((int64_t)JP_Q24(0.0001) * ((int64_t)1 << 32))
-#define ZERO_STEP 4
+/** Less is not worth a write: 0.0001 turn/s in 2⁻⁵⁶ turn/s, counts, and 0.0005 in Q30. */
+#define BIAS_STEP  ((int64_t)JP_Q24(0.0001) * ((int64_t)1 << 32))
+#define ZERO_STEP  4
+#define SCALE_STEP ((int64_t)JP_Q24(0.0005) * 64)
 
 _Static_assert(sizeof(struct jp_learned_state) == LEARNED_NUMBERS * sizeof(uint32_t), "the state is numbers only");
 _Static_assert(JP_PARAMETERS_LENGTH <= JP_STORE_LENGTH_MAX, "the record fits the store");
@@ -148,6 +149,19 @@ void jp_parameters_default(struct jp_parameters *parameters)
     jp_learned_state_start(&parameters->energy, 0);
 }
 
+static enum jp_status check_scale(const struct jp_gyro_scale *scale, const char **field)
+{
+    if (scale->error < -JP_GYRO_SCALE_MAX || scale->error > JP_GYRO_SCALE_MAX) {
+        *field = "gyro_scale.error";
+        return JP_ERR_CONFIG;
+    }
+    if (scale->deviation < 0 || scale->deviation > JP_GYRO_SCALE_DEVIATION_MAX) {
+        *field = "gyro_scale.deviation";
+        return JP_ERR_CONFIG;
+    }
+    return JP_OK;
+}
+
 enum jp_status jp_parameters_check(const struct jp_parameters *parameters, const char **field)
 {
     enum jp_status status;
@@ -163,7 +177,7 @@ enum jp_status jp_parameters_check(const struct jp_parameters *parameters, const
         *field = "gyro_bias";
         return JP_ERR_CONFIG;
     }
-    return JP_OK;
+    return check_scale(&parameters->gyro_scale, field);
 }
 
 /* ---- The record ---- */
@@ -209,7 +223,9 @@ bool jp_parameters_differ(const struct jp_parameters *a, const struct jp_paramet
 {
     return !is_same(&a->energy, &b->energy, sizeof a->energy) || is_far(a->gyro_bias, b->gyro_bias, BIAS_STEP) ||
            is_far(a->current_zero_left, b->current_zero_left, ZERO_STEP) ||
-           is_far(a->current_zero_right, b->current_zero_right, ZERO_STEP);
+           is_far(a->current_zero_right, b->current_zero_right, ZERO_STEP) ||
+           is_far(a->gyro_scale.error, b->gyro_scale.error, SCALE_STEP) ||
+           is_far(a->gyro_scale.deviation, b->gyro_scale.deviation, SCALE_STEP);
 }
 
 void jp_parameters_encode(const struct jp_parameters *parameters, uint32_t identity,
@@ -233,7 +249,9 @@ void jp_parameters_encode(const struct jp_parameters *parameters, uint32_t ident
     end = append(end, learned->identity, 4);
     end = append(end, (uint64_t)parameters->gyro_bias, 8);
     end = append(end, parameters->current_zero_left, 2);
-    (void)append(end, parameters->current_zero_right, 2);
+    end = append(end, parameters->current_zero_right, 2);
+    end = append(end, (uint32_t)parameters->gyro_scale.error, 4);
+    (void)append(end, (uint32_t)parameters->gyro_scale.deviation, 4);
 }
 
 static void decode_numbers(struct jp_parameters *parameters, const uint8_t *bytes)
@@ -254,6 +272,8 @@ static void decode_numbers(struct jp_parameters *parameters, const uint8_t *byte
     parameters->gyro_bias = (int64_t)take(&bytes, 8);
     parameters->current_zero_left = (uint16_t)take(&bytes, 2);
     parameters->current_zero_right = (uint16_t)take(&bytes, 2);
+    parameters->gyro_scale.error = take_int32(&bytes);
+    parameters->gyro_scale.deviation = take_int32(&bytes);
 }
 
 /** Whether the record's frame fits. The version comes first: another one has another length. */

@@ -18,20 +18,22 @@
 extern "C" {
 #endif
 
-/** Of the record's format; one more with every change of it. Version 1 held the built-in energy model. */
-#define JP_PARAMETERS_VERSION 2U
+/** Of the record's format; one more with every change of it. */
+#define JP_PARAMETERS_VERSION 3U
 
-/** Bytes of the record: version, robot, 23 numbers of what was learned about energy, gyro bias, 2 zeros of currents. */
-#define JP_PARAMETERS_LENGTH (4U + 4U + 4U * 23U + 8U + 2U * 2U)
+/** Bytes of the record: version, robot, 23 numbers of what was learned about energy, gyro bias, 2 zeros of currents,
+ *  scale of the gyro and its deviation. */
+#define JP_PARAMETERS_LENGTH (4U + 4U + 4U * 23U + 8U + 2U * 2U + 4U * 2U)
 
 /** A gyro with more bias is broken: 0.05 turn/s (18 °/s), in 2⁻⁵⁶ turn/s. */
 #define JP_PARAMETERS_GYRO_BIAS_MAX ((int64_t)JP_Q24(0.05) * ((int64_t)1 << 32))
 
 struct jp_parameters {
-    struct jp_learned_state energy; /**< what was learned of the energy model that is built in */
-    int64_t gyro_bias;              /**< as in struct jp_estimator, 2⁻⁵⁶ turn/s; ±JP_PARAMETERS_GYRO_BIAS_MAX */
-    uint16_t current_zero_left;     /**< the converter's reading without current, counts; 0: not calibrated */
-    uint16_t current_zero_right;    /**< counts */
+    struct jp_learned_state energy;  /**< what was learned of the energy model that is built in */
+    int64_t gyro_bias;               /**< as in struct jp_estimator, 2⁻⁵⁶ turn/s; ±JP_PARAMETERS_GYRO_BIAS_MAX */
+    uint16_t current_zero_left;      /**< the converter's reading without current, counts; 0: not calibrated */
+    uint16_t current_zero_right;     /**< counts */
+    struct jp_gyro_scale gyro_scale; /**< of a robot that its sides steer */
 };
 
 /** What a start found of stored parameters. */
@@ -53,7 +55,7 @@ uint32_t jp_skid_robot_identity(const struct jp_skid_robot_config *config);
 /** The same of a robot with four steered wheels. */
 uint32_t jp_four_wheel_robot_identity(const struct jp_four_wheel_robot_config *config);
 
-/** Nothing learned of energy, no bias, and currents not calibrated. */
+/** Nothing learned of energy, no bias, currents not calibrated, and nothing known of the gyro's scale. */
 void jp_parameters_default(struct jp_parameters *parameters);
 
 /**
@@ -63,8 +65,8 @@ void jp_parameters_default(struct jp_parameters *parameters);
  */
 enum jp_status jp_parameters_check(const struct jp_parameters *parameters, const char **field);
 
-/** Whether they are worth a write: anything learned since, a bias that is 0.0001 turn/s (0.036 °/s) off, or a zero that
- *  is 4 counts off. */
+/** Whether they are worth a write: anything learned since, a bias that is 0.0001 turn/s (0.036 °/s) off, a zero that is
+ *  4 counts off, or a scale or its deviation that is 0.0005 off. */
 bool jp_parameters_differ(const struct jp_parameters *a, const struct jp_parameters *b);
 
 void jp_parameters_encode(const struct jp_parameters *parameters, uint32_t identity,

@@ -7,7 +7,8 @@
  *   gyro      Δg = b Δt + r Δφ (1 + growth) + noise: a Kalman filter of two states learns the bias b and r = ρ (1 + γ);
  *             the noise grows with the way and with the turn, so stands tell b, and turns tell r; the more pushes the
  *             robot, the less
- *   scale     γ = (r/ρ0 − 1) σγ²/(σγ² + σρ²): the part of r that its priors give to the gyro; the rest is slip, ρ
+ *   scale     γ = γ0 + (r/ρ0 − 1 − γ0) σγ²/(σγ² + σρ²): the part of r that its priors give to the gyro; the rest is
+ * slip, ρ. What a drive has taught of γ is the next one's prior (struct jp_gyro_scale): grounds change, gyros do not
  *   tilt      ṗ = ω q − ψ̇, q̇ = −ω p: a Kalman filter of the grade p ahead and q to the left and of the accelerometer's
  *             offset. What is measured is p, the pitch gyro tells how it changes, so a turn shows q; what speeds up or
  *             has just done so tells less
@@ -121,6 +122,9 @@ struct jp_skid_gyro {
     int32_t ratio_weight;     /* deviation of r over that of b in a step, 2⁻³² turn; Q40 */
     int32_t ratio_reciprocal; /* 1/ρ0, Q24 */
     int32_t scale_share;      /* σγ²/(σγ² + σρ²), Q30 */
+    int32_t scale_error;      /* γ0, Q30 */
+    jp_q24 scale_deviation;   /* σγ */
+    int32_t ratio_start;      /* ρ0 (1 + γ0), Q30 */
     int32_t bias_growth;      /* of bias_bias in a step */
     int32_t way_variance;     /* of a metre over bias_unit², Q14 */
     int32_t turn_variance;    /* the same of 2⁻³² turn, Q30 */
@@ -209,6 +213,18 @@ struct jp_skid_odometry {
     } internal;
 };
 
+/** Most that the scale of a gyro is off. */
+#define JP_GYRO_SCALE_MAX ((int32_t)1 << 28) /* 1/4 in Q30 */
+
+/** Most that its deviation may be. */
+#define JP_GYRO_SCALE_DEVIATION_MAX (JP_Q24(0.1) * 64) /* Q30 */
+
+/** What is known of the scale of a gyro, which lasts: to be kept over power-off. */
+struct jp_gyro_scale {
+    int32_t error;     /**< it shows 1 + error of a turn, Q30; ±JP_GYRO_SCALE_MAX */
+    int32_t deviation; /**< standard deviation, Q30; 0: nothing is known; up to JP_GYRO_SCALE_DEVIATION_MAX */
+};
+
 /** What is known, with standard deviations; of the pose since the start. */
 struct jp_skid_estimate {
     jp_turns_per_s gyro_bias;
@@ -233,6 +249,16 @@ enum jp_status jp_skid_odometry_check(const struct jp_skid_odometry_config *conf
  *  Cannot fail. A dozen 64-bit divisions; not for the tick. */
 void jp_skid_odometry_start(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
                             const struct jp_sensors *sensors);
+
+/** After the start, before the first tick: its gyro's scale as another drive has found it. With nothing known it is as
+ *  the configuration says. Cannot fail. As jp_skid_odometry_start(). */
+void jp_skid_odometry_know_scale(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                                 const struct jp_gyro_scale *scale);
+
+/** The same as it is known now: never better than the file's knowledge of the wheels allows, for their error is that of
+ *  all drives. Two square roots and a 64-bit division; from any context. Cannot fail. */
+void jp_skid_odometry_scale(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                            struct jp_gyro_scale *scale);
 
 /** One tick. Steps are limited to ±0.5 m and ±½ turn, readings of the accelerometer to ±2 g. Cannot fail; constant
  *  time, at most one 32-bit division: every tick adds up, and the last of a step and the next five take a part of it

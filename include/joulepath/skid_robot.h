@@ -222,6 +222,10 @@ void jp_skid_robot_snapshot(const struct jp_skid_robot *robot, struct jp_skid_sn
  */
 bool jp_skid_robot_resume(struct jp_skid_robot *robot, const struct jp_skid_snapshot *snapshot);
 
+/** Between jp_skid_robot_init() and the first tick, before jp_skid_robot_resume(): the scale of its gyro as it was
+ *  learned earlier; jp_skid_odometry_scale() tells it. Within the ranges of the struct. Not for ISRs. */
+void jp_skid_robot_know_gyro_scale(struct jp_skid_robot *robot, const struct jp_gyro_scale *scale);
+
 /** Idle to standing, at the next tick. JP_ERR_STATE: not idle, not awake yet, or the ground is too steep.
  *  JP_ERR_ARGUMENT: null. */
 enum jp_status jp_skid_robot_enable(struct jp_skid_robot *robot);

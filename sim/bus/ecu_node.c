@@ -130,7 +130,8 @@ static enum jp_status boot_skid(void *context, struct jp_ecu *ecu, const struct 
                                               .goal_corner =
                                                   body == NULL ? 0 : body->margin * (JP_Q24_ONE / JP_Q16_ONE),
                                               .stored = node->stored,
-                                              .state = &node->parameters.energy};
+                                              .state = &node->parameters.energy,
+                                              .scale = &node->parameters.gyro_scale};
     struct jp_ecu_robot robot;
     enum jp_status status = jp_ecu_skid_init(&skid->robot, &config, &robot, field);
 
@@ -268,6 +269,9 @@ static bool keep(struct ecu_node *node)
         return true;
     }
     learned.energy = *state;
+    if (node->skid.entry != NULL) {
+        learned.gyro_scale = jp_ecu_skid_gyro_scale(&node->skid.robot);
+    }
     if (!jp_parameters_differ(&learned, &node->parameters)) {
         return true;
     }

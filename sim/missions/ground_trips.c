@@ -116,6 +116,7 @@ static void remember(const struct navigation_skid *skid, struct ground_memory *m
     for (unsigned k = 1; k < JP_GROUND_CLASSES; k++) {
         memory->grounds[k] = skid->grounds.learner.states[k];
     }
+    memory->scale = navigation_skid_gyro_scale(skid);
     memory->is_there = true;
 }
 
@@ -240,8 +241,8 @@ static bool drive(const struct ground_trips_task *task, struct ground_memory *me
     tariff.primitives = calloc(tariff.primitives_max, sizeof tariff.primitives[0]);
     way.lattice = &tariff.lattice;
     const bool is_done = tariff.primitives != NULL &&
-                         navigation_skid_init(&skid, skid_robot_find(task->robot->name), &task->robot->skid_steer,
-                                              world, &surface, &start, task->seed, &driven) &&
+                         navigation_skid_init_again(&skid, skid_robot_find(task->robot->name), &task->robot->skid_steer,
+                                                    world, &surface, &start, task->seed, &memory->scale, &driven) &&
                          recall(&skid, memory) && price(task, &skid, &tariff) &&
                          navigation_run(&way, &driven, &observer->trip->result);
 

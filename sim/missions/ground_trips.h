@@ -4,6 +4,7 @@
 #define JOULEPATH_SIM_MISSIONS_GROUND_TRIPS_H
 
 #include <joulepath/ground_learner.h>
+#include <joulepath/skid_odometry.h>
 
 #include "sim/files/map_file.h"
 #include "sim/lattice/lattice_robot.h"
@@ -44,7 +45,8 @@ struct ground_trip {
 struct ground_memory {
     struct jp_learned_state robot;
     struct jp_learned_state grounds[JP_GROUND_CLASSES];
-    bool is_there; /**< there was a trip before */
+    struct jp_gyro_scale scale; /**< all zero: nothing is known */
+    bool is_there;              /**< there was a trip before */
 };
 
 /** What each class of a map takes truly, by the plant. */

@@ -164,6 +164,25 @@ bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_
                           const struct skid_surface *surface, const struct clearance_pose *start, uint64_t seed,
                           struct navigation_robot *robot)
 {
+    static const struct jp_gyro_scale nothing;
+
+    return navigation_skid_init_again(skid, entry, model, terrain, surface, start, seed, &nothing, robot);
+}
+
+struct jp_gyro_scale navigation_skid_gyro_scale(const struct navigation_skid *skid)
+{
+    struct jp_gyro_scale scale;
+
+    jp_skid_odometry_scale(jp_skid_robot_odometry(&skid->controller),
+                           &jp_skid_robot_configuration(&skid->controller)->odometry, &scale);
+    return scale;
+}
+
+bool navigation_skid_init_again(struct navigation_skid *skid, const struct skid_robot_entry *entry,
+                                const struct skid_steer_model *model, const struct jp_terrain *terrain,
+                                const struct skid_surface *surface, const struct clearance_pose *start, uint64_t seed,
+                                const struct jp_gyro_scale *scale, struct navigation_robot *robot)
+{
     const struct planar_pose place = {start->x, start->y, start->heading};
     const struct skid_ground level = {NULL, NULL};
     const struct skid_ground ground = terrain->config.has_elevation ? skid_ground_map(terrain) : level;
@@ -197,6 +216,7 @@ bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_
     if (!prepare(skid, entry, model, surface != NULL, robot)) {
         return false;
     }
+    jp_skid_robot_know_gyro_scale(&skid->controller, scale);
     stand(skid, WAKING_SECONDS);
     if (jp_skid_robot_enable(&skid->controller) != JP_OK) {
         error_line("--start: the ground there is too steep for %s; give another place", entry->name);

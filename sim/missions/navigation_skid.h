@@ -36,4 +36,13 @@ bool navigation_skid_init(struct navigation_skid *skid, const struct skid_robot_
                           const struct skid_surface *surface, const struct clearance_pose *start, uint64_t seed,
                           struct navigation_robot *robot);
 
+/** The same of a robot that has driven before, and knows so much of its gyro. */
+bool navigation_skid_init_again(struct navigation_skid *skid, const struct skid_robot_entry *entry,
+                                const struct skid_steer_model *model, const struct jp_terrain *terrain,
+                                const struct skid_surface *surface, const struct clearance_pose *start, uint64_t seed,
+                                const struct jp_gyro_scale *scale, struct navigation_robot *robot);
+
+/** What it knows of it now, to be kept. */
+struct jp_gyro_scale navigation_skid_gyro_scale(const struct navigation_skid *skid);
+
 #endif

@@ -1,5 +1,6 @@
 /* What the odometry knows, and how well. */
 #include "src/skid_steer/skid_arithmetic.h"
+#include "src/skid_steer/skid_gyro.h"
 #include "src/skid_steer/skid_past.h"
 
 /* Of an error of the position, Q16: ±8 192 m. */
@@ -18,12 +19,12 @@ static int32_t length(int32_t x, int32_t y)
 }
 
 /* Of γ: σγ² (1 − share (1 − variance of r)), Q24. */
-static jp_q24 scale_deviation(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config)
+static jp_q24 scale_deviation(const struct jp_skid_odometry *odometry)
 {
     const int32_t known = JP_SKID_ONE - jp_skid_lesser(odometry->internal.gyro.ratio_ratio, JP_SKID_ONE);
     const int32_t left = JP_SKID_ONE - jp_multiply_shift(odometry->internal.gyro.scale_share, known, 30);
 
-    return jp_multiply_shift(config->scale_deviation, root(left), 30);
+    return jp_multiply_shift(odometry->internal.gyro.scale_deviation, root(left), 30);
 }
 
 /* Of b in a step, 2⁻⁴⁰ turn. */
@@ -77,7 +78,7 @@ void jp_skid_odometry_estimate(const struct jp_skid_odometry *odometry, const st
 {
     const struct jp_skid_step *step = &odometry->internal.step;
     const int32_t bias = bias_deviation(odometry);
-    const jp_q24 scale = scale_deviation(odometry, config);
+    const jp_q24 scale = scale_deviation(odometry);
     const int32_t steps = odometry->internal.past.steps >> 8;
     const int64_t by_bias = jp_multiply(steps, bias) >> 16; /* turn, Q24; so the next */
     const int64_t by_scale = jp_multiply(odometry->internal.past.turned, scale) >> 24;
@@ -96,4 +97,23 @@ void jp_skid_odometry_estimate(const struct jp_skid_odometry *odometry, const st
     estimate->grade_left = odometry->internal.tilt.state[JP_SKID_TILT_LEFT];
     estimate->heading_deviation = jp_multiply_shift(turned, JP_SKID_TWO_PI, 24);
     set_pose_deviation(odometry, config, bias, scale, estimate);
+}
+
+/* What the file says of wheels and gyro leaves of the scale when r is known: σγ σρ/√(σρ² + σγ² ρ0²), Q24. */
+static jp_q24 least_scale_deviation(const struct jp_skid_odometry_config *config)
+{
+    const jp_q24 of_ratio = jp_multiply_shift(config->scale_deviation, config->ratio, 24);
+
+    return jp_saturate32((int64_t)config->scale_deviation * config->ratio_deviation /
+                         length(of_ratio, config->ratio_deviation));
+}
+
+void jp_skid_odometry_scale(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                            struct jp_gyro_scale *scale)
+{
+    const jp_q24 now = scale_deviation(odometry);
+    const jp_q24 least = least_scale_deviation(config);
+
+    scale->error = jp_skid_gyro_scale_error(&odometry->internal.gyro);
+    scale->deviation = (now > least ? now : least) * 64;
 }

@@ -18,9 +18,6 @@
 /* Least r that is believed, Q30. */
 #define RATIO_MIN (JP_SKID_ONE / 16)
 
-/* What the scale is corrected by at most. */
-#define SCALE_ERROR_MAX (JP_SKID_ONE / 4)
-
 /* Of what the wheels show of a turn, over bias_unit² in Q30, at most, and what pushes the robot makes of its deviation,
  * Q4. */
 #define TURN_VARIANCE_MAX ((int64_t)1 << 40)
@@ -38,9 +35,23 @@ static int64_t in_a_step(const struct jp_skid_odometry_config *config, int64_t x
     return x * ticks / rate;
 }
 
-void jp_skid_gyro_start(struct jp_skid_gyro *gyro, const struct jp_skid_odometry_config *config)
+struct jp_gyro_scale jp_skid_gyro_scale_by_file(const struct jp_skid_odometry_config *config)
 {
-    const int64_t scale = ((int64_t)config->scale_deviation * config->ratio) >> 24;       /* of r, Q24 */
+    return (struct jp_gyro_scale){.error = 0, .deviation = config->scale_deviation * 64};
+}
+
+/* 1/(1 + error), Q30. */
+static int32_t reciprocal_scale(int32_t error)
+{
+    return JP_SKID_ONE - error + jp_share(error, error, 30);
+}
+
+void jp_skid_gyro_start(struct jp_skid_gyro *gyro, const struct jp_skid_odometry_config *config,
+                        const struct jp_gyro_scale *known)
+{
+    const jp_q24 scale_deviation = known->deviation / 64;
+    const int32_t ratio = config->ratio * 64;                                             /* Q30 */
+    const int64_t scale = ((int64_t)scale_deviation * config->ratio) >> 24;               /* of r, Q24 */
     const int64_t both = jp_skid_square(config->ratio_deviation) + jp_skid_square(scale); /* Q48 */
     const int32_t deviation = (int32_t)jp_square_root((uint64_t)both);
     const int32_t bias = (int32_t)in_a_step(config, (int64_t)config->bias_deviation * 256);
@@ -51,8 +62,8 @@ void jp_skid_gyro_start(struct jp_skid_gyro *gyro, const struct jp_skid_odometry
     const int64_t turn = jp_skid_over(config->turn_noise, 7U, unit); /* 2⁻³¹ turn in Q0 */
 
     *gyro = (struct jp_skid_gyro){
-        .ratio = config->ratio * 64,
-        .scale = JP_SKID_ONE,
+        .ratio = jp_add(ratio, jp_multiply_shift(ratio, known->error, 30)),
+        .scale = reciprocal_scale(known->error),
         .bias_bias = JP_SKID_ONE,
         .ratio_ratio = JP_SKID_ONE,
         .bias_unit = unit,
@@ -60,6 +71,8 @@ void jp_skid_gyro_start(struct jp_skid_gyro *gyro, const struct jp_skid_odometry
         .ratio_weight = jp_saturate32((int64_t)deviation * 65536 / unit),
         .ratio_reciprocal = jp_divide((int64_t)1 << 48, config->ratio),
         .scale_share = jp_saturate32((jp_skid_square(scale) << 18) / (both >> 12)),
+        .scale_error = known->error,
+        .scale_deviation = scale_deviation,
         .bias_growth = (int32_t)(in_a_step(config, JP_SKID_ONE) / (int64_t)config->bias_memory) + 1,
         .way_variance = jp_saturate32((way * way) >> 2),
         .turn_variance = jp_saturate32((turn * turn * RADIANS_INVERSE_Q16) >> 16),
@@ -67,6 +80,7 @@ void jp_skid_gyro_start(struct jp_skid_gyro *gyro, const struct jp_skid_odometry
         .gyro_variance = jp_skid_variance(noise * noise * 4 / (int64_t)config->step_ticks, JP_SKID_VARIANCE_MAX),
         .count_variance = count * count / 6,
     };
+    gyro->ratio_start = gyro->ratio;
 }
 
 /* ---- Filter ---- */
@@ -124,12 +138,17 @@ void jp_skid_gyro_learn(struct jp_skid_gyro *gyro, const struct jp_skid_step *st
     gyro->ratio = jp_clamp32(jp_add(gyro->ratio, jp_multiply_shift(shown, to_ratio, 10)), RATIO_MIN, INT32_MAX);
 }
 
-jp_q24 jp_skid_gyro_rescale(struct jp_skid_gyro *gyro, const struct jp_skid_odometry_config *config)
+int32_t jp_skid_gyro_scale_error(const struct jp_skid_gyro *gyro)
 {
-    const int32_t relative = jp_skid_part(gyro->ratio - config->ratio * 64, gyro->ratio_reciprocal);
-    const int32_t error =
-        jp_clamp32(jp_multiply_shift(relative, gyro->scale_share, 30), -SCALE_ERROR_MAX, SCALE_ERROR_MAX);
-    const int32_t scale = JP_SKID_ONE - error + jp_share(error, error, 30);
+    const int32_t relative = jp_skid_part(gyro->ratio - gyro->ratio_start, gyro->ratio_reciprocal);
+    const int32_t error = jp_add(gyro->scale_error, jp_multiply_shift(relative, gyro->scale_share, 30));
+
+    return jp_clamp32(error, -JP_GYRO_SCALE_MAX, JP_GYRO_SCALE_MAX);
+}
+
+jp_q24 jp_skid_gyro_rescale(struct jp_skid_gyro *gyro)
+{
+    const int32_t scale = reciprocal_scale(jp_skid_gyro_scale_error(gyro));
 
     gyro->scale_change = scale - gyro->scale;
     gyro->scale = scale;

@@ -76,9 +76,17 @@ void jp_skid_odometry_start(struct jp_skid_odometry *odometry, const struct jp_s
                 .speed_per_way = jp_saturate32(rate * JP_Q16_ONE / (int64_t)config->step_ticks),
             },
     };
-    jp_skid_gyro_start(&odometry->internal.gyro, config);
+    jp_skid_odometry_know_scale(odometry, config, &(struct jp_gyro_scale){0});
     jp_skid_tilt_start(&odometry->internal.tilt, config, jp_saturate_bits(sensors->accel_x, ACCEL_BITS));
     jp_skid_slip_start(&odometry->internal.slip, config, odometry->internal.tilt.acceleration);
+}
+
+void jp_skid_odometry_know_scale(struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
+                                 const struct jp_gyro_scale *scale)
+{
+    const struct jp_gyro_scale by_file = jp_skid_gyro_scale_by_file(config);
+
+    jp_skid_gyro_start(&odometry->internal.gyro, config, scale->deviation > 0 ? scale : &by_file);
 }
 
 /* ---- Steps ---- */
@@ -228,7 +236,7 @@ static void work(struct jp_skid_odometry *odometry, const struct jp_skid_odometr
         odometry->internal.next = JP_SKID_CORRECT_POSE;
         break;
     case JP_SKID_CORRECT_POSE:
-        odometry->steering_ratio = jp_skid_gyro_rescale(&odometry->internal.gyro, config);
+        odometry->steering_ratio = jp_skid_gyro_rescale(&odometry->internal.gyro);
         odometry->bias_rate = jp_multiply_shift(odometry->internal.gyro.bias, odometry->internal.speed_per_way, 32);
         jp_skid_past_correct(odometry);
         odometry->internal.next = JP_SKID_FILTER_TILT;

@@ -103,6 +103,11 @@ enum jp_status jp_skid_robot_init(struct jp_skid_robot *robot, const struct jp_s
     return JP_OK;
 }
 
+void jp_skid_robot_know_gyro_scale(struct jp_skid_robot *robot, const struct jp_gyro_scale *scale)
+{
+    jp_skid_odometry_know_scale(&robot->internal.odometry, &robot->internal.config->odometry, scale);
+}
+
 static bool motors_run(enum jp_skid_robot_state state)
 {
     return state == JP_SKID_ROBOT_STANDING || state == JP_SKID_ROBOT_DRIVING;

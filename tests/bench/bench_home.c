@@ -60,6 +60,7 @@ struct trip {
 struct knowledge {
     struct jp_learned_state state;
     struct jp_home_learned learned;
+    struct jp_gyro_scale scale; /* of one that its sides steer */
     bool is_there;
 };
 
@@ -157,12 +158,14 @@ static bool drive_trip(const struct navigate_robot *robot, const struct dense_ma
     if (robot->skid != NULL) {
         const struct skid_steer_model model = skid_varied(&robot->model, &trip->skid);
 
-        is_done = navigation_skid_init(skid, robot->skid, &model, &fresh->world, NULL, &start, trip->seed, &driven);
+        is_done = navigation_skid_init_again(skid, robot->skid, &model, &fresh->world, NULL, &start, trip->seed,
+                                             &knowledge->scale, &driven);
         if (is_done && knowledge->is_there) {
             (void)jp_skid_learner_restore(&skid->pilot.learner, &knowledge->state, &field);
         }
         is_done = is_done && navigation_run(&task, &driven, result);
         knowledge->state = skid->pilot.learner.state;
+        knowledge->scale = navigation_skid_gyro_scale(skid);
     } else {
         struct robot_file file;
 

@@ -1,7 +1,8 @@
 /* The navigator in closed loop on dense maps with boxes that they do not show: what it touches, whether it arrives
  * where it can and says so where it cannot, and what it takes beside its forecast. Seeds that nobody tuned on. Maps as
  * tests/support/dense_map.h draws them, all robots alike in cells; those of the skid-steered robot lie on hills whose
- * slopes add up to an angle up to its limit, evenly drawn. Prints figures as JSON, progress on stderr. */
+ * slopes add up to an angle up to its limit, evenly drawn. What a drive has taught of its gyro's scale is kept for the
+ * next one. Prints figures as JSON, progress on stderr. */
 #include "sim/base/progress.h"
 #include "tests/bench/figures.h"
 #include "tests/bench/statistics.h"
@@ -86,6 +87,7 @@ static void bench(json_t *figures, size_t index)
             exit(ERROR_EXIT);
         }
         count(&counts, &trial);
+        robot.scale = trial.scale;
         progress_show("drives", i + 1, DRIVES);
     }
     progress_end();

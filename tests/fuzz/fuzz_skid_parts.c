@@ -89,6 +89,7 @@ static void watch(const struct jp_sensors *sensors, const struct jp_skid_set_poi
 static void reckon(const struct jp_sensors *sensors)
 {
     struct jp_skid_estimate estimate;
+    struct jp_gyro_scale scale;
     struct jp_path_slide slide;
     struct jp_point position;
     jp_angle heading;
@@ -97,6 +98,10 @@ static void reckon(const struct jp_sensors *sensors)
     jp_skid_odometry_now(&odometry, &config.odometry, &position, &heading);
     jp_skid_odometry_slide(&odometry, &config.odometry, &slide);
     jp_skid_odometry_estimate(&odometry, &config.odometry, &estimate);
+    jp_skid_odometry_scale(&odometry, &config.odometry, &scale);
+    fuzz_require(fuzz_within(scale.error, JP_GYRO_SCALE_MAX) && scale.deviation >= 0 &&
+                     scale.deviation <= JP_GYRO_SCALE_DEVIATION_MAX,
+                 "a scale that cannot be stored");
     fuzz_require(odometry.steering_ratio > 0, "a steering ratio that is not above 0");
     fuzz_require(estimate.gyro_bias_deviation >= 0 && estimate.steering_ratio_deviation >= 0 &&
                      estimate.slip_deviation >= 0 && estimate.heading_deviation >= 0,
@@ -114,6 +119,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     fuzz_sensors_begin(&sensors);
     if (!start(&input, &sensors.frame)) {
         return 0;
+    }
+    if (fuzz_bool(&input)) {
+        const struct jp_gyro_scale scale = {fuzz_range(&input, -JP_GYRO_SCALE_MAX, JP_GYRO_SCALE_MAX),
+                                            fuzz_range(&input, 0, JP_GYRO_SCALE_DEVIATION_MAX)};
+
+        jp_skid_odometry_know_scale(&odometry, &config.odometry, &scale);
     }
     for (unsigned tick = 0; tick < TICKS; tick++) {
         if (tick % 4U == 0U && fuzz_bool(&input)) {

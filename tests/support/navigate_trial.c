@@ -112,8 +112,12 @@ static bool drive_skid(const struct navigation_task *task, const struct navigate
     struct navigation_skid skid;
     struct navigation_robot driven;
 
-    return navigation_skid_init(&skid, robot->skid, &robot->model, task->world, NULL, &start, task->seed, &driven) &&
-           drive(task, &driven, trial);
+    const bool is_done = navigation_skid_init_again(&skid, robot->skid, &robot->model, task->world, NULL, &start,
+                                                    task->seed, &robot->scale, &driven) &&
+                         drive(task, &driven, trial);
+
+    trial->scale = navigation_skid_gyro_scale(&skid);
+    return is_done;
 }
 
 bool navigate_trial_run(struct navigate_trial *trial, const struct navigate_robot *robot, uint64_t seed, double view_m,

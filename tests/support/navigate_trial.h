@@ -13,13 +13,15 @@ struct navigate_robot {
     struct robot_file file;
     const struct skid_robot_entry *skid; /**< of one that its sides steer */
     struct skid_steer_model model;
-    double hills_deg; /**< of its maps, at most; 0: level */
+    double hills_deg;           /**< of its maps, at most; 0: level */
+    struct jp_gyro_scale scale; /**< as it knows it when a drive begins; all zero: nothing */
 };
 
 struct navigate_trial {
-    bool is_reachable; /**< in the world, by a planner that has memory for all of it */
-    bool is_right;     /**< it touched nothing, and arrived, or said so where no route leads to the goal */
-    double radius_m;   /**< of the disc in which the robot turns */
+    bool is_reachable;          /**< in the world, by a planner that has memory for all of it */
+    bool is_right;              /**< it touched nothing, and arrived, or said so where no route leads to the goal */
+    double radius_m;            /**< of the disc in which the robot turns */
+    struct jp_gyro_scale scale; /**< as it knows it at the end */
     struct navigation_result result;
 };
 

@@ -274,21 +274,25 @@ static void expect_stored(enum jp_stored stored)
 
 static void test_what_is_stored_is_taken_if_it_fits(void)
 {
+    const struct jp_gyro_scale scale = {10737418, 3000000};
     struct jp_learned_state state;
 
     jp_learned_state_start(&state, jp_skid_learning_zhang2018.factors.identity);
     state.version = 9;
     tables.state = &state;
+    tables.scale = &scale;
     tables.stored = JP_STORED_TAKEN;
     expect_stored(JP_STORED_TAKEN);
     TEST_ASSERT_EQUAL_UINT32(9, jp_ecu_learned_state(&ecu)->version);
     state.identity++;
     expect_stored(JP_STORED_OTHER_TABLES);
+    TEST_ASSERT_EQUAL_INT32(scale.error, jp_ecu_skid_gyro_scale(&skid).error);
     TEST_ASSERT_EQUAL_UINT32(0, jp_ecu_learned_state(&ecu)->version);
     state.identity = 0;
     expect_stored(JP_STORED_NOTHING);
     tables.stored = JP_STORED_DAMAGED;
     expect_stored(JP_STORED_DAMAGED);
+    TEST_ASSERT_EQUAL_INT32(0, jp_ecu_skid_gyro_scale(&skid).error);
 }
 
 /* Lost samples */

@@ -807,3 +807,116 @@ static void test_a_heading_that_nothing_is_known_of_saturates(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, estimate().heading_deviation);
     TEST_ASSERT_TRUE(estimate().steering_ratio_deviation > 0);
 }
+
+/* ---- The gyro's scale, from drive to drive ---- */
+
+#define Q30_PERCENT 10737418
+
+static const struct jp_gyro_scale nothing;
+
+static struct jp_gyro_scale scale(void)
+{
+    struct jp_gyro_scale known;
+
+    jp_skid_odometry_scale(&odometry, &config, &known);
+    return known;
+}
+
+static void expect_scale(double percent, double deviation_percent)
+{
+    const struct jp_gyro_scale known = scale();
+
+    TEST_ASSERT_INT32_WITHIN(Q30_PERCENT / 20, (int32_t)(percent * Q30_PERCENT), known.error);
+    TEST_ASSERT_INT32_WITHIN(Q30_PERCENT / 20, (int32_t)(deviation_percent * Q30_PERCENT), known.deviation);
+}
+
+/** A drive that begins with what is known, and turns on the spot: of the turn by the file's ratio the gyro shows so
+ * many percent more. */
+static void turn_with(const struct jp_gyro_scale *known, double percent)
+{
+    config.turn_noise = JP_Q24(0.003);
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    jp_skid_odometry_know_scale(&odometry, &config, known);
+    drive(100, 0, 0, 0);
+    drive(600, -256, 256, (jp_turns_per_s)(JP_Q24(0.390625) * (1 + percent / 100)));
+}
+
+static void test_a_start_knows_of_the_scale_what_the_configuration_says(void)
+{
+    expect_scale(0, 1);
+    config.scale_deviation = 0;
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    expect_scale(0, 0);
+}
+
+/* Wheels that are known as well as the gyro: half of what turns show is the one's, half the other's. */
+static void test_a_drive_shares_what_it_finds_between_gyro_and_wheels(void)
+{
+    config.ratio_deviation = JP_Q24(0.005);
+    turn_with(&nothing, 1.0);
+    expect_scale(0.5, 0.707);
+}
+
+static void test_wheels_that_are_known_leave_the_gyro_all_of_it(void)
+{
+    config.ratio_deviation = JP_Q24(0.0001);
+    turn_with(&nothing, 1.0);
+    expect_scale(1.0, 0.1); /* the turns themselves vary */
+}
+
+static void test_what_a_drive_has_found_of_the_scale_is_where_the_next_one_begins(void)
+{
+    struct jp_gyro_scale known;
+
+    config.ratio_deviation = JP_Q24(0.0001);
+    turn_with(&nothing, 1.0);
+    known = scale();
+    jp_skid_odometry_start(&odometry, &config, &sensors);
+    jp_skid_odometry_know_scale(&odometry, &config, &known);
+    expect_scale(1.0, 0.1); /* the turns themselves vary */
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.0002), JP_Q24(0.5), odometry.steering_ratio);
+
+    /* The first turn is told right. */
+    drive(100, 0, 0, 0);
+    const int32_t before = heading_degrees_1000();
+
+    drive(8, -256, 256, (jp_turns_per_s)(JP_Q24(0.390625) * 1.01));
+    TEST_ASSERT_INT32_WITHIN(25, 45000, heading_degrees_1000() - before);
+}
+
+/* The error of the file's ratio is that of all drives: many of them know no more of the scale than a long one. */
+static void test_many_drives_are_not_surer_than_the_wheels_let_them_be(void)
+{
+    config.ratio_deviation = JP_Q24(0.005);
+    for (unsigned i = 0; i < 20; i++) {
+        const struct jp_gyro_scale known = scale();
+
+        turn_with(&known, 1.0);
+    }
+    TEST_ASSERT_INT32_WITHIN(Q30_PERCENT / 20, (int32_t)(0.707 * Q30_PERCENT), scale().deviation);
+}
+
+/* Grounds change and gyros do not: of a ratio that is another than the file's, what is known of the gyro is kept. */
+static void test_another_ground_hardly_changes_a_scale_that_is_known(void)
+{
+    const struct jp_gyro_scale known = {Q30_PERCENT, Q30_PERCENT / 10};
+
+    config.ratio_deviation = JP_Q24(0.05);
+    turn_with(&known, 100 * (1.01 * 0.8 - 1)); /* 20 % less than the wheels say */
+    TEST_ASSERT_INT32_WITHIN(Q30_PERCENT / 50, Q30_PERCENT, scale().error);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.005), JP_Q24(0.4), odometry.steering_ratio);
+}
+
+static void test_scales_at_their_limits_are_taken(void)
+{
+    const struct jp_gyro_scale most = {JP_GYRO_SCALE_MAX, JP_GYRO_SCALE_DEVIATION_MAX};
+    const struct jp_gyro_scale least = {-JP_GYRO_SCALE_MAX, 1};
+
+    jp_skid_odometry_know_scale(&odometry, &config, &most);
+    drive(100, -256, 256, JP_Q24(0.5));
+    TEST_ASSERT_TRUE(scale().error <= JP_GYRO_SCALE_MAX);
+    jp_skid_odometry_know_scale(&odometry, &config, &least);
+    drive(100, -256, 256, JP_Q24(-0.5));
+    TEST_ASSERT_TRUE(scale().error >= -JP_GYRO_SCALE_MAX);
+    TEST_ASSERT_TRUE(scale().deviation > 0);
+}

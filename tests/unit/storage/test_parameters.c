@@ -29,6 +29,7 @@ void setUp(void)
     parameters.gyro_bias = -123456789012345;
     parameters.current_zero_left = 2047;
     parameters.current_zero_right = 0xFEDC;
+    parameters.gyro_scale = (struct jp_gyro_scale){-10737418, 3000000};
     memset(&found, 0xA5, sizeof found);
     field = NULL;
 }
@@ -53,6 +54,8 @@ static void expect_found(void)
     TEST_ASSERT_EQUAL_INT64(parameters.gyro_bias, found.gyro_bias);
     TEST_ASSERT_EQUAL_UINT16(parameters.current_zero_left, found.current_zero_left);
     TEST_ASSERT_EQUAL_UINT16(parameters.current_zero_right, found.current_zero_right);
+    TEST_ASSERT_EQUAL_INT32(parameters.gyro_scale.error, found.gyro_scale.error);
+    TEST_ASSERT_EQUAL_INT32(parameters.gyro_scale.deviation, found.gyro_scale.deviation);
 }
 
 /* Refused with this name, and nothing is touched. */
@@ -83,6 +86,8 @@ static void test_defaults_are_nothing_learned(void)
     jp_parameters_default(&parameters);
     TEST_ASSERT_EQUAL_INT(0, memcmp(&nothing, &parameters.energy, sizeof nothing));
     TEST_ASSERT_EQUAL_INT64(0, parameters.gyro_bias);
+    TEST_ASSERT_EQUAL_INT32(0, parameters.gyro_scale.error);
+    TEST_ASSERT_EQUAL_INT32(0, parameters.gyro_scale.deviation);
     TEST_ASSERT_EQUAL_UINT16(0, parameters.current_zero_left);
     TEST_ASSERT_EQUAL_UINT16(0, parameters.current_zero_right);
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_parameters_check(&parameters, &field));
@@ -99,13 +104,14 @@ static void test_the_record_is_little_endian_and_without_gaps(void)
     parameters.gyro_bias = 0x6C6B6A6968676665;
     parameters.current_zero_left = 0x6E6D;
     parameters.current_zero_right = 0x706F;
+    parameters.gyro_scale = (struct jp_gyro_scale){0x74737271, 0x78777675};
     jp_parameters_encode(&parameters, 0x08070605U, record);
     TEST_ASSERT_EQUAL_HEX32(JP_PARAMETERS_VERSION, record[0] | (uint32_t)record[1] << 8 | (uint32_t)record[2] << 16 |
                                                        (uint32_t)record[3] << 24);
     for (uint8_t i = 4; i < JP_PARAMETERS_LENGTH; i++) {
         TEST_ASSERT_EQUAL_UINT8(i + 1U, record[i]);
     }
-    TEST_ASSERT_EQUAL_UINT32(112, JP_PARAMETERS_LENGTH);
+    TEST_ASSERT_EQUAL_UINT32(120, JP_PARAMETERS_LENGTH);
 }
 
 /* The order of members is part of the format. */
@@ -276,12 +282,20 @@ static void test_numbers_out_of_range_are_refused_by_name(void)
     REFUSED(gyro_bias, JP_PARAMETERS_GYRO_BIAS_MAX + 1, "gyro_bias");
     REFUSED(gyro_bias, -JP_PARAMETERS_GYRO_BIAS_MAX - 1, "gyro_bias");
     REFUSED(gyro_bias, INT64_MIN, "gyro_bias");
+    REFUSED(gyro_scale.error, JP_GYRO_SCALE_MAX + 1, "gyro_scale.error");
+    REFUSED(gyro_scale.error, -JP_GYRO_SCALE_MAX - 1, "gyro_scale.error");
+    REFUSED(gyro_scale.deviation, -1, "gyro_scale.deviation");
+    REFUSED(gyro_scale.deviation, JP_GYRO_SCALE_DEVIATION_MAX + 1, "gyro_scale.deviation");
 }
 
 static void test_the_edges_of_the_ranges_are_taken(void)
 {
     TAKEN(gyro_bias, JP_PARAMETERS_GYRO_BIAS_MAX);
     TAKEN(gyro_bias, -JP_PARAMETERS_GYRO_BIAS_MAX);
+    TAKEN(gyro_scale.error, JP_GYRO_SCALE_MAX);
+    TAKEN(gyro_scale.error, -JP_GYRO_SCALE_MAX);
+    TAKEN(gyro_scale.deviation, 0);
+    TAKEN(gyro_scale.deviation, JP_GYRO_SCALE_DEVIATION_MAX);
     TAKEN(energy.x[3], JP_LEARNED_MAX);
     TAKEN(energy.x[3], -JP_LEARNED_MAX);
     TAKEN(energy.noise_scale, JP_Q16(8));
@@ -332,6 +346,15 @@ static void test_only_what_is_worth_a_write_differs(void)
     expect_differ(true);
     found = parameters;
     found.energy.version++;
+    expect_differ(true);
+    found = parameters;
+    found.gyro_scale.error += JP_Q24(0.0005) * 64;
+    found.gyro_scale.deviation -= JP_Q24(0.0005) * 64;
+    expect_differ(false);
+    found.gyro_scale.error++;
+    expect_differ(true);
+    found = parameters;
+    found.gyro_scale.deviation -= JP_Q24(0.0005) * 64 + 1;
     expect_differ(true);
 }
 

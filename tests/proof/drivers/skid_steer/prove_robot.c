@@ -3,7 +3,7 @@
 // eva: -eva-slevel-function jp_config_check:200,is_within:50,require_within:50,jp_skid_odometry_check:50
 // eva: -eva-slevel-function jp_skid_control_check:50,jp_monitor_check:50,jp_skid_monitor_check:50,jp_meter_check:50
 /** Any configuration that passes, any frames and statuses, any commands, at any time, for ever; a reset at any time,
- * with any bytes retained. */
+ * with any bytes retained, and any scale of the gyro that can be stored. */
 #include <joulepath/skid_robot.h>
 
 #define ROBOT jp_skid_robot
@@ -32,6 +32,8 @@ static void tick(struct jp_skid_robot *robot)
 
 static void reset(struct jp_skid_robot *robot, const struct jp_skid_robot_config *config)
 {
+    const struct jp_gyro_scale scale = {any_between(-JP_GYRO_SCALE_MAX, JP_GYRO_SCALE_MAX),
+                                        any_between(0, JP_GYRO_SCALE_DEVIATION_MAX)};
     struct jp_skid_snapshot snapshot;
     const char *field;
 
@@ -41,6 +43,9 @@ static void reset(struct jp_skid_robot *robot, const struct jp_skid_robot_config
     }
     while (jp_skid_robot_init(robot, config, &field) != JP_OK) {
         /* It passed before. */
+    }
+    if (any_bool()) {
+        jp_skid_robot_know_gyro_scale(robot, &scale);
     }
     (void)jp_skid_robot_resume(robot, &snapshot);
 }
