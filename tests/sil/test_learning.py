@@ -14,7 +14,7 @@ from tools.operate import can_report
 ROUTE = [(2.0, 0.5), (3.0, 2.0), (2.0, 3.0)]
 NOTHING, TAKEN, OTHER_VERSION, OTHER_ROBOT, OTHER_TABLES, DAMAGED = range(6)
 LEARNED_FROM, LEFT_OUT = "learned_from", "left_out"
-RECORD_LENGTH = 112  # B
+RECORD_LENGTH = 120  # B
 
 
 @pytest.fixture(name="programs")
@@ -76,6 +76,25 @@ def test_a_restart_goes_on_from_what_was_learned(drive, tmp_path):
     assert told(tmp_path)[0] == (3, TAKEN)
     assert versions(tmp_path) == [3, 4, 5, 6]
     assert [path.name for path in tmp_path.glob("parameters*")] == ["parameters"]
+
+
+def scale_of(record):
+    """The gyro's scale and its deviation that are kept, shares."""
+    words = record.read_bytes()[-8:]
+    return tuple(int.from_bytes(words[i:i + 4], "little", signed=True) / 2**30 for i in (0, 4))
+
+
+def test_a_restart_knows_the_scale_of_the_gyro_better(drive, tmp_path):
+    """Its file says: 1 %, which is the truth, too."""
+    kept = tmp_path / "parameters"
+    drive("--parameters", kept, robot="burger", route=[(1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)])
+    error, deviation = scale_of(kept)
+    assert error == pytest.approx(0.01, abs=3 * deviation)
+    drive("--parameters", kept, robot="burger", route=[(0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0)])
+    again, surer = scale_of(kept)
+    assert 0 < surer < deviation < 0.01
+    assert again == pytest.approx(0.01, abs=3 * surer)
+    assert 0.005 < again
 
 
 def test_what_was_learned_is_kept_when_the_motors_are_switched_off(programs, tmp_path):
