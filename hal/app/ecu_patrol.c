@@ -2,7 +2,8 @@
 
 #include <stddef.h>
 
-#include "hal/app/signals.h"
+#include "hal/app/ecu_factors.h"
+#include "hal/app/ecu_patrol_work.h"
 #include "hal/can/jp_can.h"
 
 /** Numbers of struct jp_four_wheel_energy_model, with its unit. */
@@ -345,12 +346,15 @@ static void look(struct jp_ecu_patrol *patrol)
     }
 }
 
-static void work(void *self)
+void jp_ecu_patrol_work(struct jp_ecu_patrol *patrol)
 {
-    struct jp_ecu_patrol *patrol = self;
-
     look(patrol);
     jp_patrol_pilot_work(&patrol->pilot);
+}
+
+static void work(void *self)
+{
+    jp_ecu_patrol_work(self);
 }
 
 static bool is_resting(const void *self)
@@ -367,13 +371,6 @@ static uint16_t segments_begun(const void *self)
     return patrol->pilot.ledger.begun;
 }
 
-static int32_t fixed(float value, float one)
-{
-    const float scaled = value * one;
-
-    return scaled >= 2147483520.0f ? INT32_MAX : (int32_t)scaled;
-}
-
 /** Planned when it begins. */
 static void tell_segment(const void *self, uint16_t begun, struct jp_ecu_segment *segment)
 {
@@ -382,9 +379,9 @@ static void tell_segment(const void *self, uint16_t begun, struct jp_ecu_segment
 
     (void)begun;
     *segment = (struct jp_ecu_segment){.number = patrol->pilot.ledger.begun,
-                                       .speed = fixed(patrol->internal.tables.patrol->teb.speed_max, 0x1p24f),
-                                       .duration = fixed(forecast->duration, 0x1p16f),
-                                       .forecast = jp_energy_from_q16(fixed(forecast->energy, 0x1p16f), 0)};
+                                       .speed = jp_ecu_fixed(patrol->internal.tables.patrol->teb.speed_max, 0x1p24f),
+                                       .duration = jp_ecu_fixed(forecast->duration, 0x1p16f),
+                                       .forecast = jp_energy_from_q16(jp_ecu_fixed(forecast->energy, 0x1p16f), 0)};
 }
 
 /* What it learns. */
@@ -409,6 +406,14 @@ static void tell_lessons(const void *self, struct jp_ecu_lessons *lessons)
                                        .stored = patrol->stored};
 }
 
+static struct jp_ecu_factors factors_of(const jp_q16 numbers[JP_FOUR_WHEEL_FACTORS])
+{
+    return (struct jp_ecu_factors){.rolling = numbers[JP_FOUR_WHEEL_ROLLING],
+                                   .friction = numbers[JP_FOUR_WHEEL_STEERING],
+                                   .weight = numbers[JP_FOUR_WHEEL_WEIGHT],
+                                   .electronics = numbers[JP_FOUR_WHEEL_ELECTRONICS]};
+}
+
 static uint8_t tell_learned(const void *self, struct jp_can_frame frames[JP_ECU_LEARNED_FRAMES])
 {
     const struct jp_ecu_patrol *patrol = self;
@@ -418,25 +423,10 @@ static uint8_t tell_learned(const void *self, struct jp_can_frame frames[JP_ECU_
     jp_four_wheel_learner_factors(&patrol->pilot.ledger.learner, factors);
     jp_four_wheel_learner_deviations(&patrol->pilot.ledger.learner, deviations);
 
-    const struct jp_can_learned_factors_t learned = {
-        .rolling = jp_signal16u(factors[JP_FOUR_WHEEL_ROLLING], JP_FACTOR_SHIFT),
-        .friction = jp_signal16u(factors[JP_FOUR_WHEEL_STEERING], JP_FACTOR_SHIFT),
-        .weight = jp_signal16u(factors[JP_FOUR_WHEEL_WEIGHT], JP_FACTOR_SHIFT),
-        .electronics = jp_signal16u(factors[JP_FOUR_WHEEL_ELECTRONICS], JP_FACTOR_SHIFT),
-    };
-    const struct jp_can_learned_deviations_t uncertain = {
-        .rolling = jp_signal16u(deviations[JP_FOUR_WHEEL_ROLLING], JP_FACTOR_SHIFT),
-        .friction = jp_signal16u(deviations[JP_FOUR_WHEEL_STEERING], JP_FACTOR_SHIFT),
-        .weight = jp_signal16u(deviations[JP_FOUR_WHEEL_WEIGHT], JP_FACTOR_SHIFT),
-        .electronics = jp_signal16u(deviations[JP_FOUR_WHEEL_ELECTRONICS], JP_FACTOR_SHIFT),
-    };
+    const struct jp_ecu_factors learned = factors_of(factors);
+    const struct jp_ecu_factors uncertain = factors_of(deviations);
 
-    frames[0] = (struct jp_can_frame){.id = JP_CAN_LEARNED_FACTORS_FRAME_ID, .length = JP_CAN_LEARNED_FACTORS_LENGTH};
-    frames[1] =
-        (struct jp_can_frame){.id = JP_CAN_LEARNED_DEVIATIONS_FRAME_ID, .length = JP_CAN_LEARNED_DEVIATIONS_LENGTH};
-    (void)jp_can_learned_factors_pack(frames[0].data, &learned, sizeof frames[0].data);
-    (void)jp_can_learned_deviations_pack(frames[1].data, &uncertain, sizeof frames[1].data);
-    return 2;
+    return jp_ecu_tell_factors(&learned, &uncertain, frames);
 }
 
 /* Between work and tick. */
@@ -484,159 +474,6 @@ static void note(void *self)
     }
     hand_over_result(patrol);
     show_view(patrol);
-}
-
-/* The way on a map. */
-
-static struct jp_plane_pose pose_of(const struct jp_place *place)
-{
-    return (struct jp_plane_pose){(float)place->point.x / (float)JP_Q16_ONE, (float)place->point.y / (float)JP_Q16_ONE,
-                                  (float)(int32_t)place->heading * (1.0f / RADIANS_TO_TURNS * 0x1p-32f)};
-}
-
-static enum jp_status prepare_way(void *self, struct jp_terrain *map, const struct jp_place *origin)
-{
-    struct jp_ecu_patrol *patrol = self;
-    const struct jp_plane_pose pose = pose_of(origin);
-    const char *field;
-
-    return jp_patrol_pilot_take_map(&patrol->pilot, map, &pose, patrol->internal.block, patrol->internal.size, &field);
-}
-
-static void forget_way(void *self)
-{
-    struct jp_ecu_patrol *patrol = self;
-
-    jp_patrol_pilot_forget_map(&patrol->pilot);
-}
-
-/** Not on a route of waypoints. */
-static bool is_under_way(const void *self)
-{
-    const struct jp_ecu_patrol *patrol = self;
-
-    return patrol->internal.is_to_goal && jp_patrol_pilot_is_under_way(&patrol->pilot);
-}
-
-/** Its own scanner sees what the map does not show. */
-static void see(void *self, int32_t x, int32_t y, enum jp_cell cell)
-{
-    (void)self;
-    (void)x;
-    (void)y;
-    (void)cell;
-}
-
-/** The middle of the goal's cell; without a heading as the robot looks now. */
-static struct jp_plane_pose goal_pose(const struct jp_ecu_patrol *patrol, const struct jp_map_goal *goal)
-{
-    const float cell = (float)patrol->pilot.mission.config.map->config.resolution / (float)JP_Q16_ONE;
-    const struct jp_place heading = {.heading = goal->heading};
-    const struct jp_plane_pose turned = goal->has_heading ? pose_of(&heading) : jp_patrol_pilot_pose(&patrol->pilot);
-
-    return (struct jp_plane_pose){((float)goal->x + 0.5f) * cell, ((float)goal->y + 0.5f) * cell, turned.heading};
-}
-
-static bool can_stand(const void *self, const struct jp_map_goal *goal)
-{
-    const struct jp_ecu_patrol *patrol = self;
-    const struct jp_plane_pose pose = goal_pose(patrol, goal);
-
-    return jp_patrol_pilot_can_stand(&patrol->pilot, &pose);
-}
-
-static enum jp_status go(void *self, const struct jp_map_goal *goal)
-{
-    struct jp_ecu_patrol *patrol = self;
-    const struct jp_plane_pose pose = goal_pose(patrol, goal);
-
-    patrol->internal.plan = jp_patrol_pilot_go(&patrol->pilot, &pose);
-    patrol->internal.is_to_goal = patrol->internal.plan == JP_OK || patrol->internal.is_to_goal;
-    return patrol->internal.plan;
-}
-
-/** True with each path. */
-static bool work_on_way(void *self)
-{
-    struct jp_ecu_patrol *patrol = self;
-    const struct jp_patrol_mission *mission = &patrol->pilot.mission;
-    const bool was_planning = mission->state == JP_MISSION_PLANNING;
-
-    work(self);
-    return was_planning && mission->state == JP_MISSION_UNDER_WAY;
-}
-
-static enum jp_navigator_state way_state(const struct jp_patrol_pilot *pilot)
-{
-    switch (pilot->mission.state) {
-    case JP_MISSION_PLANNING:
-        return JP_NAVIGATOR_PLANNING;
-    case JP_MISSION_UNDER_WAY:
-        return pilot->mission.patrol.state == JP_PATROL_TURNING ? JP_NAVIGATOR_TURNING : JP_NAVIGATOR_DRIVING;
-    case JP_MISSION_ARRIVED:
-        return JP_NAVIGATOR_ARRIVED;
-    case JP_MISSION_GIVEN_UP:
-        return JP_NAVIGATOR_FAILED;
-    case JP_MISSION_IDLE:
-    default:
-        return JP_NAVIGATOR_IDLE;
-    }
-}
-
-static enum jp_navigator_reason way_reason(const struct jp_patrol_pilot *pilot)
-{
-    switch (pilot->mission.patrol.reason) {
-    case JP_PATROL_IN_COLLISION:
-    case JP_PATROL_BLOCKED:
-        return JP_NAVIGATOR_BLOCKED;
-    case JP_PATROL_LOST:
-    case JP_PATROL_OFF_PATH:
-        return JP_NAVIGATOR_ASTRAY;
-    case JP_PATROL_NO_SCAN:
-    case JP_PATROL_STALLED:
-    case JP_PATROL_INFEASIBLE:
-        return JP_NAVIGATOR_VEHICLE;
-    case JP_PATROL_NONE:
-    default:
-        return pilot->mission.state == JP_MISSION_GIVEN_UP ? JP_NAVIGATOR_HEMMED_IN : JP_NAVIGATOR_NO_REASON;
-    }
-}
-
-static void tell_way(const void *self, struct jp_way_report *report)
-{
-    const struct jp_ecu_patrol *patrol = self;
-    struct jp_patrol_leg_forecast left;
-    float length;
-
-    *report = (struct jp_way_report){.state = way_state(&patrol->pilot),
-                                     .reason = way_reason(&patrol->pilot),
-                                     .status = patrol->internal.plan,
-                                     .replans = (uint16_t)patrol->pilot.mission.replans};
-    if (jp_patrol_pilot_progress(&patrol->pilot, &length, &left) == JP_OK) {
-        report->progress = (struct jp_progress){
-            .length = fixed(length, 0x1p16f),
-            .duration = fixed(left.duration, 0x1p16f),
-            .energy = {.energy = fixed(left.energy, 0x1p16f), .deviation = fixed(left.deviation, 0x1p16f)}};
-    }
-}
-
-static void stop_on_way(void *self)
-{
-    stop(self);
-}
-
-struct jp_wayfinder jp_ecu_patrol_wayfinder(struct jp_ecu_patrol *patrol)
-{
-    return (struct jp_wayfinder){.self = patrol,
-                                 .prepare = prepare_way,
-                                 .forget = forget_way,
-                                 .is_under_way = is_under_way,
-                                 .see = see,
-                                 .can_stand = can_stand,
-                                 .go = go,
-                                 .stop = stop_on_way,
-                                 .work = work_on_way,
-                                 .tell = tell_way};
 }
 
 /* Start. */

@@ -2,8 +2,7 @@
 
 #include <stddef.h>
 
-#include "hal/app/signals.h"
-#include "hal/can/jp_can.h"
+#include "hal/app/ecu_factors.h"
 
 /** Numbers of struct jp_skid_energy_model, with its unit. */
 #define PARAMETERS 18U
@@ -268,6 +267,14 @@ static void tell_lessons(const void *self, struct jp_ecu_lessons *lessons)
                                        .stored = skid->stored};
 }
 
+static struct jp_ecu_factors factors_of(const jp_q16 numbers[JP_SKID_FACTORS])
+{
+    return (struct jp_ecu_factors){.rolling = numbers[JP_SKID_ROLLING],
+                                   .friction = numbers[JP_SKID_FRICTION],
+                                   .weight = numbers[JP_SKID_WEIGHT],
+                                   .electronics = numbers[JP_SKID_ELECTRONICS]};
+}
+
 static uint8_t tell_learned(const void *self, struct jp_can_frame frames[JP_ECU_LEARNED_FRAMES])
 {
     const struct jp_ecu_skid *skid = self;
@@ -277,25 +284,10 @@ static uint8_t tell_learned(const void *self, struct jp_can_frame frames[JP_ECU_
     jp_skid_learner_factors(&skid->pilot.learner, factors);
     jp_skid_learner_deviations(&skid->pilot.learner, deviations);
 
-    const struct jp_can_learned_factors_t learned = {
-        .rolling = jp_signal16u(factors[JP_SKID_ROLLING], JP_FACTOR_SHIFT),
-        .friction = jp_signal16u(factors[JP_SKID_FRICTION], JP_FACTOR_SHIFT),
-        .weight = jp_signal16u(factors[JP_SKID_WEIGHT], JP_FACTOR_SHIFT),
-        .electronics = jp_signal16u(factors[JP_SKID_ELECTRONICS], JP_FACTOR_SHIFT),
-    };
-    const struct jp_can_learned_deviations_t uncertain = {
-        .rolling = jp_signal16u(deviations[JP_SKID_ROLLING], JP_FACTOR_SHIFT),
-        .friction = jp_signal16u(deviations[JP_SKID_FRICTION], JP_FACTOR_SHIFT),
-        .weight = jp_signal16u(deviations[JP_SKID_WEIGHT], JP_FACTOR_SHIFT),
-        .electronics = jp_signal16u(deviations[JP_SKID_ELECTRONICS], JP_FACTOR_SHIFT),
-    };
+    const struct jp_ecu_factors learned = factors_of(factors);
+    const struct jp_ecu_factors uncertain = factors_of(deviations);
 
-    frames[0] = (struct jp_can_frame){.id = JP_CAN_LEARNED_FACTORS_FRAME_ID, .length = JP_CAN_LEARNED_FACTORS_LENGTH};
-    frames[1] =
-        (struct jp_can_frame){.id = JP_CAN_LEARNED_DEVIATIONS_FRAME_ID, .length = JP_CAN_LEARNED_DEVIATIONS_LENGTH};
-    (void)jp_can_learned_factors_pack(frames[0].data, &learned, sizeof frames[0].data);
-    (void)jp_can_learned_deviations_pack(frames[1].data, &uncertain, sizeof frames[1].data);
-    return 2;
+    return jp_ecu_tell_factors(&learned, &uncertain, frames);
 }
 
 /* Between work and tick. */

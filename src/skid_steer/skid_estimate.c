@@ -104,8 +104,8 @@ static jp_q24 least_scale_deviation(const struct jp_skid_odometry_config *config
 {
     const jp_q24 of_ratio = jp_multiply_shift(config->scale_deviation, config->ratio, 24);
 
-    return jp_saturate32((int64_t)config->scale_deviation * config->ratio_deviation /
-                         length(of_ratio, config->ratio_deviation));
+    return jp_divide(jp_multiply(config->scale_deviation, config->ratio_deviation),
+                     length(of_ratio, config->ratio_deviation));
 }
 
 void jp_skid_odometry_scale(const struct jp_skid_odometry *odometry, const struct jp_skid_odometry_config *config,
@@ -115,5 +115,5 @@ void jp_skid_odometry_scale(const struct jp_skid_odometry *odometry, const struc
     const jp_q24 least = least_scale_deviation(config);
 
     scale->error = jp_skid_gyro_scale_error(&odometry->internal.gyro);
-    scale->deviation = (now > least ? now : least) * 64;
+    scale->deviation = jp_clamp32(now > least ? now : least, 0, JP_GYRO_SCALE_DEVIATION_MAX / 64) * 64;
 }

@@ -140,7 +140,7 @@ void jp_skid_gyro_learn(struct jp_skid_gyro *gyro, const struct jp_skid_step *st
 
 int32_t jp_skid_gyro_scale_error(const struct jp_skid_gyro *gyro)
 {
-    const int32_t relative = jp_skid_part(gyro->ratio - gyro->ratio_start, gyro->ratio_reciprocal);
+    const int32_t relative = jp_skid_part(jp_sub(gyro->ratio, gyro->ratio_start), gyro->ratio_reciprocal);
     const int32_t error = jp_add(gyro->scale_error, jp_multiply_shift(relative, gyro->scale_share, 30));
 
     return jp_clamp32(error, -JP_GYRO_SCALE_MAX, JP_GYRO_SCALE_MAX);
