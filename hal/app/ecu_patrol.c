@@ -3,7 +3,7 @@
 #include <stddef.h>
 
 #include "hal/app/ecu_factors.h"
-#include "hal/app/ecu_patrol_work.h"
+#include "hal/app/float_signals.h"
 #include "hal/can/jp_can.h"
 
 /** Numbers of struct jp_four_wheel_energy_model, with its unit. */
@@ -11,8 +11,6 @@
 
 /** 1/(2π) */
 #define TURNS_PER_RADIAN JP_Q24(0.15915494309189535)
-
-#define RADIANS_TO_TURNS 0.15915494f
 
 static const struct jp_four_wheel_telemetry *shown(const struct jp_ecu_patrol *patrol)
 {
@@ -241,7 +239,7 @@ static int32_t parameter(const void *self, uint8_t index)
 
 static void tell_pose(const struct jp_ecu_patrol_view *view, struct jp_can_frame *frame)
 {
-    const float turns = view->pose.heading * RADIANS_TO_TURNS * 65536.0f;
+    const float turns = view->pose.heading * JP_TURNS_PER_RADIAN * 65536.0f;
     const struct jp_can_map_pose_t signals = {.x = (int32_t)(view->pose.x * 8192.0f),
                                               .y = (int32_t)(view->pose.y * 8192.0f),
                                               .heading = (int16_t)jp_saturate_bits((int32_t)turns, 16)};
@@ -379,9 +377,9 @@ static void tell_segment(const void *self, uint16_t begun, struct jp_ecu_segment
 
     (void)begun;
     *segment = (struct jp_ecu_segment){.number = patrol->pilot.ledger.begun,
-                                       .speed = jp_ecu_fixed(patrol->internal.tables.patrol->teb.speed_max, 0x1p24f),
-                                       .duration = jp_ecu_fixed(forecast->duration, 0x1p16f),
-                                       .forecast = jp_energy_from_q16(jp_ecu_fixed(forecast->energy, 0x1p16f), 0)};
+                                       .speed = jp_fixed_of(patrol->internal.tables.patrol->teb.speed_max, 0x1p24f),
+                                       .duration = jp_fixed_of(forecast->duration, 0x1p16f),
+                                       .forecast = jp_energy_from_q16(jp_fixed_of(forecast->energy, 0x1p16f), 0)};
 }
 
 /* What it learns. */

@@ -8,7 +8,6 @@
 #include <joulepath/patrol_pilot.h>
 
 #include "hal/app/ecu_robot.h"
-#include "hal/app/navigation.h"
 #include "hal/can/scan_link.h"
 #include "hal/can/wheel_link.h"
 
@@ -78,8 +77,8 @@ void jp_ecu_patrol_use_board(struct jp_ecu_patrol *patrol, const struct jp_four_
 /** The board's scanner begins a scan: the wheels are where the last tick saw them. At the priority of the tick. */
 void jp_ecu_patrol_begin_scan(struct jp_ecu_patrol *patrol);
 
-/** Finds its way on maps, for jp_navigation_init_with(). */
-struct jp_wayfinder jp_ecu_patrol_wayfinder(struct jp_ecu_patrol *patrol);
+/** A slice of its work in the background, with the scan that waits. */
+void jp_ecu_patrol_work(struct jp_ecu_patrol *patrol);
 
 #ifdef __cplusplus
 }

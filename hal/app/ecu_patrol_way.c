@@ -1,12 +1,11 @@
-/* The way on a map of a robot with four steered wheels. */
-#include "hal/app/ecu_patrol_work.h"
+#include "hal/app/ecu_patrol_way.h"
 
-#define RADIANS_TO_TURNS 0.15915494f
+#include "hal/app/float_signals.h"
 
 static struct jp_plane_pose pose_of(const struct jp_place *place)
 {
     return (struct jp_plane_pose){(float)place->point.x / (float)JP_Q16_ONE, (float)place->point.y / (float)JP_Q16_ONE,
-                                  (float)(int32_t)place->heading * (1.0f / RADIANS_TO_TURNS * 0x1p-32f)};
+                                  (float)(int32_t)place->heading * (1.0f / JP_TURNS_PER_RADIAN * 0x1p-32f)};
 }
 
 static enum jp_status prepare_way(void *self, struct jp_terrain *map, const struct jp_place *origin)
@@ -128,10 +127,10 @@ static void tell_way(const void *self, struct jp_way_report *report)
                                      .status = patrol->internal.plan,
                                      .replans = (uint16_t)patrol->pilot.mission.replans};
     if (jp_patrol_pilot_progress(&patrol->pilot, &length, &left) == JP_OK) {
-        report->progress = (struct jp_progress){.length = jp_ecu_fixed(length, 0x1p16f),
-                                                .duration = jp_ecu_fixed(left.duration, 0x1p16f),
-                                                .energy = {.energy = jp_ecu_fixed(left.energy, 0x1p16f),
-                                                           .deviation = jp_ecu_fixed(left.deviation, 0x1p16f)}};
+        report->progress = (struct jp_progress){
+            .length = jp_fixed_of(length, 0x1p16f),
+            .duration = jp_fixed_of(left.duration, 0x1p16f),
+            .energy = {.energy = jp_fixed_of(left.energy, 0x1p16f), .deviation = jp_fixed_of(left.deviation, 0x1p16f)}};
     }
 }
 

@@ -1,4 +1,5 @@
 /* A robot with four steered wheels in the image. */
+#include "hal/app/ecu_patrol_way.h"
 #include "hal/app/patrol_memory.h"
 #include "hal/firmware/firmware_robot.h"
 

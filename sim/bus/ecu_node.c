@@ -1,5 +1,7 @@
 #include "sim/bus/ecu_node.h"
 
+#include "hal/app/ecu_patrol_way.h"
+
 #include "sim/base/error.h"
 #include "sim/files/parameters_file.h"
 

@@ -176,10 +176,10 @@ static float bound_of(const struct jp_patrol_round *round, const struct jp_patro
 /** What a journey may take beyond its forecast, for who stands in the way. */
 static float excess_expected(const struct jp_patrol_round *round)
 {
-    const uint32_t known = round->internal.journeys < JP_ROUND_JOURNEYS ? round->internal.journeys : JP_ROUND_JOURNEYS;
-    float most = known < JP_ROUND_JOURNEYS ? JP_ROUND_WAIT * round->internal.config.standing_power : 0.0f;
+    const bool is_known = round->internal.journeys >= JP_ROUND_JOURNEYS;
+    float most = is_known ? 0.0f : JP_ROUND_WAIT * round->internal.config.standing_power;
 
-    for (uint32_t i = 0; i < known; i++) {
+    for (uint32_t i = 0; i < JP_ROUND_JOURNEYS; i++) {
         most = jp_plane_larger(most, round->internal.excesses[i]);
     }
     return most;

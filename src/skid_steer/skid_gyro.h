@@ -7,7 +7,7 @@
 
 /** The scale as it is known, with its deviation. */
 void jp_skid_gyro_start(struct jp_skid_gyro *gyro, const struct jp_skid_odometry_config *config,
-                        const struct jp_gyro_scale *scale);
+                        const struct jp_gyro_scale *known);
 
 /** As the configuration has it. */
 struct jp_gyro_scale jp_skid_gyro_scale_by_file(const struct jp_skid_odometry_config *config);

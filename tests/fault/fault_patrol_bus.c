@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "hal/app/ecu_patrol_way.h"
 #include "sim/bus/bus_drive.h"
 #include "sim/bus/local_ecu.h"
 #include "sim/four_wheel/four_wheel_file.h"
