@@ -8,7 +8,7 @@
  * more than that it is among them. The uncertainty of the velocity is known from the first scans on: an object walks
  * when it is faster than that explains, and it is where nothing was before, or nothing is where it was: what is seen of
  * a thing that stands may shift, but not so. Who has walked is remembered as somebody who may walk on, or back, along
- * the same line.
+ * the same line; who stands and is seen as one with them, in their stead, until it is seen alone and stands.
  *
  * Part of libjoulepath_float; nothing here is for ISRs.
  */
@@ -51,7 +51,8 @@ struct jp_mover {
     float standing;                              /**< since it last walked, s */
     uint8_t sightings;                           /**< since it was first seen; saturates */
     uint8_t misses;                              /**< in a row */
-    bool is_companion;                           /**< taken to walk because somebody does beside whom it appeared */
+    uint8_t alone;                               /**< sightings in a row without others seen with it; saturates */
+    bool is_companion;                           /**< taken to walk because somebody does who is, or was, with it */
 };
 
 /** The members may be read. */
@@ -66,7 +67,7 @@ void jp_movers_clear(struct jp_movers *movers);
 /**
  * Takes the next scan, `period` s (0.001…10) after the last one, after more than 0.5 s without what was known, from a
  * sensor whose pose is in a fixed frame. Nothing changes when it fails: JP_ERR_ARGUMENT: a null pointer or a value out
- * of its range; JP_ERR_UNRELIABLE: as jp_obstacles_add_scan(). Work: beams + runs × JP_MOVERS_MAX.
+ * of its range; JP_ERR_UNRELIABLE: as jp_obstacles_add_scan(). Work: beams + (runs + JP_MOVERS_MAX) × JP_MOVERS_MAX.
  */
 enum jp_status jp_movers_update(struct jp_movers *movers, const struct jp_movers_config *config,
                                 const struct jp_scan_config *scan_config, const struct jp_scan *scan,

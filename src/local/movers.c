@@ -1,3 +1,4 @@
+#include <joulepath/count.h>
 #include <joulepath/movers.h>
 #include <string.h>
 
@@ -20,8 +21,10 @@
 #define SPEED_ERROR  1.0f
 #define ACCELERATION 2.0f
 
-/* A walker is faster than so many standard deviations of its velocity along an axis. */
+/* A walker is faster than so many standard deviations of its velocity along an axis; one that has left its place, too,
+ * than so many. */
 #define SIGNIFICANT 2.5f
+#define LIKELY      1.5f
 
 /* From a beam to the one before it; unsigned numbers wrap. */
 #define BACK 0xFFFFFFFFU
@@ -220,11 +223,17 @@ static float speed_of(const struct jp_mover *mover)
     return jp_plane_length(mover->velocity.x, mover->velocity.y);
 }
 
-bool jp_mover_is_walking(const struct jp_mover *mover, const struct jp_movers_config *config)
+/* Than things are, and than so many standard deviations. */
+static bool is_faster(const struct jp_mover *mover, const struct jp_movers_config *config, float deviations)
 {
     const float speed = speed_of(mover);
 
-    return speed > config->speed_min && speed * speed > SIGNIFICANT * SIGNIFICANT * mover->speed_variance;
+    return speed > config->speed_min && speed * speed > deviations * deviations * mover->speed_variance;
+}
+
+bool jp_mover_is_walking(const struct jp_mover *mover, const struct jp_movers_config *config)
+{
+    return is_faster(mover, config, SIGNIFICANT);
 }
 
 static void predict(struct jp_movers *movers, float period)
@@ -341,16 +350,31 @@ static struct jp_plane_point innovation_of(const struct jp_mover *mover, const s
     return (struct jp_plane_point){share * way.x, share * way.y};
 }
 
-/* How large it is alone, and as it is seen. */
+/* By which its radius alone follows that of all that is seen: of a companion, who is known to be seen with somebody
+ * else, not at all. */
+static float own_share(const struct jp_mover *mover, bool is_shared)
+{
+    if (!is_shared) {
+        return RADIUS_SHARE;
+    }
+    return mover->is_companion ? 0.0f : SHARED_SHARE;
+}
+
+/* How large it is alone, and as it is seen: of what is partly hidden the largest part lately. */
 static void take_radius(struct jp_mover *mover, const struct thing *thing)
 {
     const float larger = thing->radius - mover->own;
+    const bool is_shared = larger > SHARED;
 
     if (is_whole(thing)) {
-        mover->own += (larger > SHARED ? SHARED_SHARE : RADIUS_SHARE) * larger;
+        mover->own += own_share(mover, is_shared) * larger;
+        mover->radius = thing->radius;
+    } else {
+        mover->radius += RADIUS_SHARE * (jp_plane_larger(thing->radius, mover->own) - mover->radius);
+        mover->radius = jp_plane_larger(thing->radius, mover->radius);
     }
-    mover->radius = is_whole(thing) ? thing->radius : jp_plane_larger(thing->radius, mover->radius);
     mover->largest = jp_plane_larger(mover->radius, mover->largest);
+    mover->alone = is_shared ? 0U : jp_one_more8(mover->alone);
     mover->misses = 0;
 }
 
@@ -378,9 +402,7 @@ static void correct(struct jp_mover *mover, const struct thing *thing, float spe
     mover->covariance -= place_gain * mover->covariance;
     mover->place_variance -= place_gain * mover->place_variance;
     take_radius(mover, thing);
-    if (mover->sightings < UINT8_MAX) {
-        mover->sightings++;
-    }
+    mover->sightings = jp_one_more8(mover->sightings);
 }
 
 /* Farther than what is seen of a thing that stands shifts as the robot moves. */
@@ -458,17 +480,42 @@ static bool is_steady(const struct jp_mover *mover, const struct thing *thing)
     return thing->radius < PERSON_MAX || (is_whole(thing) && mover->own - thing->radius < SHARED);
 }
 
-/* Who appeared beside somebody who walks was taken for one who goes with them, until it has been seen often enough to
- * tell that it stands. */
+/* Who was taken for one who walks because somebody else does stands, if it is no faster than a thing once it has been
+ * seen alone often enough to tell. */
 static void judge_companion(struct jp_mover *mover, const struct jp_movers_config *config)
 {
-    if (mover->is_companion && mover->sightings >= COMPANION_SIGHTINGS) {
-        mover->is_companion = false;
-        if (!jp_mover_is_walking(mover, config)) {
+    if (mover->is_companion && mover->alone >= COMPANION_SIGHTINGS) {
+        if (jp_mover_is_walking(mover, config) || has_left(mover)) {
+            mover->is_companion = false;
+        } else if (speed_of(mover) < config->speed_min) {
+            mover->is_companion = false;
             mover->pace = 0.0f;
             mover->walk = (struct jp_plane_point){0.0f, 0.0f};
         }
     }
+}
+
+/* Who has walked, or is where nothing was, or no longer where they were. */
+static bool may_walk(const struct jp_mover *mover, const struct jp_movers_config *config, const struct thing *thing,
+                     const struct jp_scan_view *view)
+{
+    if (has_walked(mover)) {
+        return jp_mover_is_walking(mover, config);
+    }
+    return is_faster(mover, config, LIKELY) && is_steady(mover, thing) && has_left(mover) &&
+           has_changed_place(mover, thing, view);
+}
+
+/* Who turns round walks in the other direction at once, and at no time across their line. */
+static void take_direction(struct jp_mover *mover, float speed, float share)
+{
+    const bool has_turned = mover->velocity.x * mover->walk.x + mover->velocity.y * mover->walk.y < 0.0f;
+    const float kept = has_turned ? share - 1.0f : 1.0f - share;
+    const float x = kept * mover->walk.x + share * mover->velocity.x / speed;
+    const float y = kept * mover->walk.y + share * mover->velocity.y / speed;
+    const float length = jp_plane_length(x, y);
+
+    mover->walk = (struct jp_plane_point){x / length, y / length};
 }
 
 /* Remembers how it walks, if it does. */
@@ -477,14 +524,10 @@ static void note_walk(struct jp_mover *mover, const struct jp_movers_config *con
 {
     const float speed = speed_of(mover);
 
-    if (mover->sightings >= SIGHTINGS_MIN && jp_mover_is_walking(mover, config) &&
-        (has_walked(mover) || (is_steady(mover, thing) && has_left(mover) && has_changed_place(mover, thing, view)))) {
+    if (mover->sightings >= SIGHTINGS_MIN && may_walk(mover, config, thing, view)) {
         const float share = has_walked(mover) ? WALK_SHARE : 1.0f;
-        const float x = mover->walk.x + share * (mover->velocity.x / speed - mover->walk.x);
-        const float y = mover->walk.y + share * (mover->velocity.y / speed - mover->walk.y);
-        const float length = jp_plane_length(x, y);
 
-        mover->walk = (struct jp_plane_point){x / length, y / length};
+        take_direction(mover, speed, share);
         mover->pace += (speed > mover->pace ? share : PACE_SHARE) * (speed - mover->pace);
         mover->standing = 0.0f;
     }
@@ -546,6 +589,7 @@ static void begin(struct jp_movers *movers, const struct thing *thing, struct jp
     track.covariance = 0.0f;
     track.standing = 0.0f;
     track.sightings = 1;
+    track.alone = 1;
     track.misses = 0;
 
     struct jp_mover *const place = place_for(movers, thing, sensor);
@@ -577,6 +621,34 @@ static bool is_seen_through(const struct jp_scan_view *view, const struct jp_mov
     const uint32_t beam = beam_towards(view, mover->centre);
 
     return beam < view->scan->count && reaches(view, beam, distance + mover->radius);
+}
+
+/* Whether somebody who walks is no longer seen because they are seen as one with somebody who stands. */
+static bool is_with(const struct jp_mover *walker, const struct jp_mover *stander)
+{
+    const float reach = stander->radius + walker->own;
+
+    return walker->misses > 0U && has_walked(walker) && stander->misses == 0U && stander->alone == 0U &&
+           !has_walked(stander) && stander->own < PERSON_MAX &&
+           jp_plane_square_between(walker->centre, stander->centre) < reach * reach;
+}
+
+/* What is seen of them together remembers how they walk: who walks out of it on any side is then known. */
+static void join(struct jp_movers *movers)
+{
+    for (unsigned i = 0; i < movers->count; i++) {
+        for (unsigned k = 0; k < movers->count; k++) {
+            const struct jp_mover *const walker = &movers->movers[i];
+            struct jp_mover *const stander = &movers->movers[k];
+
+            if (is_with(walker, stander)) {
+                stander->walk = walker->walk;
+                stander->pace = walker->pace;
+                stander->standing = 0.0f;
+                stander->is_companion = true;
+            }
+        }
+    }
 }
 
 static void miss(struct jp_movers *movers, const struct jp_scan_view *view)
@@ -643,6 +715,7 @@ enum jp_status jp_movers_update(struct jp_movers *movers, const struct jp_movers
             follow(movers, config, &thing, &view, period);
         }
     }
+    join(movers);
     miss(movers, &view);
     forget(movers);
     return JP_OK;

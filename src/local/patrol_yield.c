@@ -24,9 +24,13 @@
 /* Of a radius over what is seen of it: beams miss the rims, so that the middle of what is seen lies before its own. */
 #define WHOLE 1.4f
 
-/* Nobody alone is larger, m; sightings until a motion is believed. */
+/* Nobody alone is larger, m; sightings until a motion is heeded, and scans without one for which it still is. */
 #define PERSON_MAX    0.35f
 #define SIGHTINGS_MIN 4U
+#define UNSEEN_MAX    5U
+
+/* Who seems to set off is faster than so many standard deviations of the velocity along an axis. */
+#define LIKELY 2.0f
 
 /* Nearer than standing still by this is nearer, m: rounding. */
 #define NEARER 0.002f
@@ -279,8 +283,10 @@ static float clearance_at(const struct jp_patrol *patrol, float speed)
  * that this is soon forgotten. */
 static bool may_be_setting_off(const struct jp_patrol *patrol, const struct jp_mover *mover)
 {
-    return mover->radius < PERSON_MAX && mover->sightings >= SIGHTINGS_MIN && mover->misses == 0U &&
-           jp_mover_is_walking(mover, &patrol->config.movers);
+    const float speed = jp_plane_length(mover->velocity.x, mover->velocity.y);
+
+    return mover->radius < PERSON_MAX && mover->sightings >= SIGHTINGS_MIN && mover->misses <= UNSEEN_MAX &&
+           speed > patrol->config.movers.speed_min && speed * speed > LIKELY * LIKELY * mover->speed_variance;
 }
 
 /* Of those who are nobody who may walk on. */

@@ -691,6 +691,21 @@ static void test_walk_turns_with_the_walker(void)
     TEST_ASSERT_NEAR(0.05f, -1.0f, movers.movers[0].walk.y);
 }
 
+/* Who turns round, and comes back not quite as they went, is at no time taken for somebody who walks across. */
+static void test_walk_of_who_turns_round_stays_along_their_line(void)
+{
+    const struct jp_plane_point back = {0.26f, -0.97f};
+    struct disc *const disc = put_disc(2.0f, -1.0f, RADIUS);
+
+    walk(disc, (struct jp_plane_point){0.0f, 1.0f}, SETTLED);
+    for (unsigned i = 0; i < SETTLED; i++) {
+        walk(disc, back, 1);
+        TEST_ASSERT_TRUE(jp_plane_magnitude(movers.movers[0].walk.y) > 0.8f);
+    }
+    TEST_ASSERT_NEAR(0.1f, back.x, movers.movers[0].walk.x);
+    TEST_ASSERT_NEAR(0.1f, back.y, movers.movers[0].walk.y);
+}
+
 static void test_thing_that_shifts_by_less_than_its_size_has_not_walked(void)
 {
     struct disc *const disc = put_disc(2.0f, 0.0f, RADIUS);
@@ -717,6 +732,48 @@ static void test_walk_in_any_direction_is_noticed(void)
         }
         TEST_ASSERT_TRUE(scans <= NOTICED);
     }
+}
+
+/* Half hidden all the way, slower than its velocity is certain: by the way that it has gone. */
+static void test_slow_walk_of_who_is_half_hidden_is_noticed(void)
+{
+    const float speed = 0.6f;
+    const struct jp_mover *track;
+
+    see_coarsely();
+    put_wall(1.5f, -0.5f, 1.5f, 3.0f);
+
+    struct disc *const disc = put_disc(3.0f, -1.0f, RADIUS);
+
+    for (unsigned i = 0; i < SETTLED; i++) {
+        look();
+        disc->centre.y += PERIOD * speed;
+        walls[0].from.y += 0.5f * PERIOD * speed;
+    }
+    track = track_of(disc, (struct jp_plane_point){0.0f, speed});
+    TEST_ASSERT_NOT_NULL(track);
+    TEST_ASSERT_FALSE(jp_mover_is_walking(track, &config));
+    TEST_ASSERT_TRUE(track->pace > 0.0f);
+}
+
+/* Of who is half hidden: somebody else was beside them for a while. */
+static void test_what_is_half_hidden_is_as_large_as_was_seen_lately(void)
+{
+    const struct jp_plane_point still = {0.0f, 0.0f};
+
+    see_coarsely();
+    put_wall(1.5f, -3.0f, 1.5f, 0.0f);
+    (void)put_disc(3.0f, 0.0f, RADIUS);
+    walk(&discs[0], still, 8);
+    (void)put_disc(3.0f, 0.4f, RADIUS);
+    walk(&discs[0], still, 2);
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+    TEST_ASSERT_TRUE(movers.movers[0].radius > 1.1f * RADIUS);
+    disc_count = 1;
+    walk(&discs[0], still, 8);
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+    TEST_ASSERT_EQUAL_UINT(18, movers.movers[0].sightings);
+    TEST_ASSERT_TRUE(movers.movers[0].radius < RADIUS);
 }
 
 /* Past what stands: nobody has walked. */
@@ -939,6 +996,112 @@ static void test_what_stands_beside_a_walker_is_no_companion(void)
         }
     }
     TEST_ASSERT_TRUE(taken >= 5U);
+}
+
+/* Beside a walker, who appears while they pass, and stands for some scans, walks for some, and stands again. */
+static void walk_beside(unsigned stands, unsigned walks, float speed)
+{
+    setUp();
+
+    struct disc *const walker = put_disc(3.0f, -2.0f, RADIUS);
+
+    walk(walker, (struct jp_plane_point){0.0f, 1.0f}, 18);
+
+    struct disc *const other = put_disc(3.0f, walker->centre.y - 0.75f, 0.2f);
+
+    for (unsigned i = 0; i < SETTLED; i++) {
+        walk(walker, (struct jp_plane_point){0.0f, 1.0f}, 1);
+        other->centre.y -= i >= stands && i < stands + walks ? PERIOD * speed : 0.0f;
+        for (unsigned k = 0; k < movers.count; k++) {
+            TEST_ASSERT_TRUE(has_walked(k));
+        }
+    }
+}
+
+/* No post: it is too fast for that when it is judged, or it has left its place before. */
+static void test_companion_who_is_slow_or_stops_walks(void)
+{
+    walk_beside(6, SETTLED, 0.45f);
+    walk_beside(0, 6, 0.8f);
+}
+
+static const struct jp_mover *track_at(const struct disc *disc)
+{
+    for (unsigned i = 0; i < movers.count; i++) {
+        if (jp_plane_square_between(movers.movers[i].centre, disc->centre) < 0.3f * 0.3f) {
+            return &movers.movers[i];
+        }
+    }
+    return NULL;
+}
+
+/* Two come from both sides to somebody who never walked, and all are one thing for the scanner for long. Who walks out
+ * of it then, on whatever side, is known to walk at once; who stays alone is known to stand after a while. */
+static void test_who_was_seen_as_one_with_a_stander_is_remembered(void)
+{
+    const unsigned scans = 5U * SETTLED;
+
+    for (unsigned first = 1; first <= 2U; first++) {
+        setUp();
+        see_coarsely();
+        (void)put_disc(2.5f, 0.0f, RADIUS);
+        (void)put_disc(2.5f, -2.5f, RADIUS);
+        (void)put_disc(2.5f, 2.5f, RADIUS);
+        for (unsigned i = 0; i < scans; i++) {
+            look();
+            discs[1].centre.y += i < 19U ? PERIOD : 0.0f;
+            discs[2].centre.y -= i < 19U ? PERIOD : 0.0f;
+        }
+        TEST_ASSERT_EQUAL_UINT(1, movers.count);
+        TEST_ASSERT_TRUE(has_walked(0));
+
+        for (unsigned i = 0; i < 2U; i++) {
+            struct disc *const leaver = &discs[i == 0U ? first : 3U - first];
+            const float side = leaver->centre.y < 0.0f ? -1.0f : 1.0f;
+
+            leaver->centre.y += 0.25f * side;
+            look();
+            TEST_ASSERT_NOT_NULL(track_at(leaver));
+            TEST_ASSERT_TRUE(track_at(leaver)->pace > 0.0f);
+            walk(leaver, (struct jp_plane_point){0.0f, side}, SETTLED);
+            TEST_ASSERT_TRUE(track_at(leaver) == NULL || track_at(leaver)->pace > 0.0f);
+        }
+        TEST_ASSERT_NOT_NULL(track_at(&discs[0]));
+        TEST_ASSERT_TRUE(track_at(&discs[0])->pace == 0.0f);
+    }
+}
+
+/* A walker stops at what is larger than a person, and is seen as one with it. */
+static void test_shelf_remembers_nobody(void)
+{
+    see_coarsely();
+    put_box(2.5f, -0.5f, 3.0f, 0.5f);
+
+    struct disc *const walker = put_disc(2.75f, -2.75f, RADIUS);
+
+    walk(walker, (struct jp_plane_point){0.0f, 1.0f}, 19);
+    walk(walker, (struct jp_plane_point){0.0f, 0.0f}, 3);
+    TEST_ASSERT_EQUAL_UINT(2, movers.count);
+    for (unsigned k = 0; k < movers.count; k++) {
+        TEST_ASSERT_EQUAL_INT(movers.movers[k].misses > 0U, has_walked(k));
+    }
+}
+
+/* Somebody who walked elsewhere goes out of sight as something is put beside a post. */
+static void test_who_is_elsewhere_is_not_remembered(void)
+{
+    see_coarsely();
+    (void)put_disc(2.5f, 0.0f, RADIUS);
+
+    struct disc *const walker = put_disc(-1.2f, -2.5f, RADIUS);
+
+    walk(walker, (struct jp_plane_point){1.0f, 0.0f}, SETTLED);
+    *walker = (struct disc){{2.5f, 0.3f}, RADIUS};
+    look();
+    TEST_ASSERT_EQUAL_UINT(2, movers.count);
+    for (unsigned k = 0; k < movers.count; k++) {
+        TEST_ASSERT_EQUAL_INT(movers.movers[k].centre.y < -1.0f, has_walked(k));
+    }
 }
 
 /* ---- More things than tracks ---- */

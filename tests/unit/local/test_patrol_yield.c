@@ -105,25 +105,41 @@ static void test_what_never_walked_is_a_thing(void)
     expect_free();
 }
 
-/* Before it is sure that somebody walks: what moves as people do, is no larger, and was seen now and often enough. */
+static struct jp_mover *put_who_sets_off(void)
+{
+    struct jp_mover *const mover = put(1.5f, -1.5f);
+
+    mover->velocity.y = 1.0f;
+    return mover;
+}
+
+/* Before it is sure that somebody walks: what is likely to move as people do, is no larger, and was seen often enough
+ * and not long ago. */
 static void test_it_waits_for_who_seems_to_set_off(void)
 {
-    struct jp_mover *const thing = put(1.5f, -1.5f);
-
-    thing->velocity.y = 1.0f;
-    TEST_ASSERT_TRUE(yielded() <= 0.1501f * FAST);
-    setUp();
-    (void)put(1.5f, -1.5f);
-    expect_free();
-    for (unsigned i = 0; i < 3U; i++) {
+    for (unsigned i = 0; i < 4U; i++) {
         struct jp_mover *mover;
 
         setUp();
-        mover = put(1.5f, -1.5f);
-        mover->velocity.y = 1.0f;
+        mover = put_who_sets_off();
+        mover->sightings = i == 1U ? 4U : mover->sightings;
+        mover->misses = i == 2U ? 5U : 0U;
+        mover->speed_variance = i == 3U ? 0.2f : mover->speed_variance;
+        TEST_ASSERT_TRUE(yielded() <= 0.1501f * FAST);
+    }
+    setUp();
+    (void)put(1.5f, -1.5f);
+    expect_free();
+    for (unsigned i = 0; i < 5U; i++) {
+        struct jp_mover *mover;
+
+        setUp();
+        mover = put_who_sets_off();
         mover->radius = i == 0U ? 0.4f : mover->radius;
         mover->sightings = i == 1U ? 3U : mover->sightings;
-        mover->misses = i == 2U ? 1U : 0U;
+        mover->misses = i == 2U ? 6U : 0U;
+        mover->speed_variance = i == 3U ? 0.3f : mover->speed_variance;
+        mover->velocity.y = i == 4U ? 0.9f * config.movers.speed_min : mover->velocity.y;
         expect_free();
     }
 }
