@@ -49,6 +49,7 @@ struct jp_mover {
     struct jp_plane_point walk;                  /**< direction in which it last walked; (0, 0): it has not */
     float pace;                                  /**< fastest that it was seen to walk, m/s */
     float standing;                              /**< since it last walked, s */
+    struct jp_plane_point stood;                 /**< where it was when it last did */
     uint8_t sightings;                           /**< since it was first seen; saturates */
     uint8_t misses;                              /**< in a row */
     uint8_t alone;                               /**< sightings in a row without others seen with it; saturates */

@@ -518,6 +518,15 @@ static void take_direction(struct jp_mover *mover, float speed, float share)
     mover->walk = (struct jp_plane_point){x / length, y / length};
 }
 
+/* Whether who was seen to move does walk: what is seen of several who stand together shifts as they do in their places.
+ */
+static bool walks_on(const struct jp_mover *mover)
+{
+    const float reach = SIZE_SHARE * mover->radius + LEFT;
+
+    return mover->radius < PERSON_MAX || jp_plane_square_between(mover->centre, mover->stood) > reach * reach;
+}
+
 /* Remembers how it walks, if it does. */
 static void note_walk(struct jp_mover *mover, const struct jp_movers_config *config, const struct thing *thing,
                       const struct jp_scan_view *view)
@@ -529,7 +538,10 @@ static void note_walk(struct jp_mover *mover, const struct jp_movers_config *con
 
         take_direction(mover, speed, share);
         mover->pace += (speed > mover->pace ? share : PACE_SHARE) * (speed - mover->pace);
-        mover->standing = 0.0f;
+        if (walks_on(mover)) {
+            mover->standing = 0.0f;
+            mover->stood = mover->centre;
+        }
     }
 }
 
@@ -588,6 +600,7 @@ static void begin(struct jp_movers *movers, const struct thing *thing, struct jp
     track.place_variance = PLACE_ERROR * PLACE_ERROR;
     track.covariance = 0.0f;
     track.standing = 0.0f;
+    track.stood = track.centre;
     track.sightings = 1;
     track.alone = 1;
     track.misses = 0;

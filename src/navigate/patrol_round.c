@@ -244,9 +244,25 @@ static void go(struct jp_patrol_round *round, uint16_t stop, enum jp_patrol_roun
     }
 }
 
+static bool is_home(const struct jp_patrol_round *round)
+{
+    const struct jp_plane_pose *charger = &round->internal.config.charger;
+    const struct jp_patrol_config *config = &round->internal.pilot->mission.patrol.config;
+    const struct jp_plane_pose pose = jp_patrol_pilot_pose(round->internal.pilot);
+
+    return jp_plane_length(pose.x - charger->x, pose.y - charger->y) <= config->position_tolerance &&
+           jp_plane_magnitude(jp_plane_wrap(pose.heading - charger->heading)) <= config->heading_tolerance;
+}
+
+/** Where somebody stands in its way as it leaves, it may not have left. */
 static void go_home(struct jp_patrol_round *round)
 {
-    go(round, round->internal.config.stop_count, JP_ROUND_HOMING);
+    if (is_home(round)) {
+        jp_patrol_pilot_stop(round->internal.pilot);
+        begin_survey(round);
+    } else {
+        go(round, round->internal.config.stop_count, JP_ROUND_HOMING);
+    }
 }
 
 static void set_out_home(struct jp_patrol_round *round, float available)

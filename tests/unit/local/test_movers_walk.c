@@ -453,3 +453,38 @@ static void test_who_is_elsewhere_is_not_remembered(void)
         TEST_ASSERT_EQUAL_INT(movers.movers[k].centre.y < -1.0f, has_walked(k));
     }
 }
+
+/* Two who came side by side, are one for the scanner, and shift from foot to foot in their places. */
+static void test_those_who_shift_in_their_places_stand(void)
+{
+    struct disc *const one = put_disc(2.0f, -2.0f, RADIUS);
+    struct disc *const other = put_disc(2.0f, -1.5f, RADIUS);
+    const struct jp_plane_point velocity = {0.0f, 0.8f};
+
+    config.extent = 2.0f;
+    for (unsigned i = 0; i < SETTLED; i++) {
+        look();
+        one->centre.y += PERIOD * velocity.y;
+        other->centre.y += PERIOD * velocity.y;
+    }
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+    TEST_ASSERT_TRUE(has_walked(0));
+    TEST_ASSERT_NEAR(0.5f, 0.0f, movers.movers[0].standing);
+    for (unsigned i = 0; i < 60; i++) {
+        const float shift = (i / 4U) % 2U == 0U ? 0.06f : -0.06f; /* 0.24 m to and fro, at 0.6 m/s */
+
+        look();
+        one->centre.y += shift;
+        other->centre.y += shift;
+    }
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+    TEST_ASSERT_TRUE(movers.movers[0].standing > 4.0f);
+
+    /* When they go on, they walk again. */
+    for (unsigned i = 0; i < 12; i++) {
+        look();
+        one->centre.y += PERIOD * velocity.y;
+        other->centre.y += PERIOD * velocity.y;
+    }
+    TEST_ASSERT_TRUE(movers.movers[0].standing < 0.9f);
+}

@@ -393,6 +393,7 @@ static void test_with_too_little_for_the_next_place_it_goes_home_instead(void)
 {
     begin();
     switch_on();
+    pass_until(JP_ROUND_DWELLING);
     pass_until(JP_ROUND_LEAVING);
     available = 600.0f;
     config.full = 600.0f;
@@ -439,6 +440,7 @@ static void test_where_it_gets_nowhere_it_waits_and_tries_to_get_home(void)
 {
     begin();
     switch_on();
+    pass_until(JP_ROUND_DWELLING);
     pass_until(JP_ROUND_LEAVING);
     for (unsigned i = 0; i < 4; i++) {
         TEST_ASSERT_EQUAL_INT(JP_ROUND_LEAVING, round_trip.state);
@@ -458,6 +460,25 @@ static void test_where_it_gets_nowhere_it_waits_and_tries_to_get_home(void)
     pass_until(JP_ROUND_CHARGING);
     TEST_ASSERT_EQUAL_INT(JP_ROUND_NO_REASON, round_trip.reason);
     pass_until(JP_ROUND_DWELLING);
+}
+
+static void test_who_could_not_leave_the_charger_is_charged(void)
+{
+    begin();
+    switch_on();
+    pass_until(JP_ROUND_LEAVING);
+    for (unsigned i = 0; i < 4; i++) { /* as if somebody stood before it */
+        TEST_ASSERT_EQUAL_INT(JP_ROUND_LEAVING, round_trip.state);
+        jp_patrol_pilot_stop(&pilot);
+        tick();
+    }
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_WAITING, round_trip.state);
+    pass_until_not(JP_ROUND_WAITING);
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_SURVEYING, round_trip.state);
+    TEST_ASSERT_EQUAL_UINT32(0, round_trip.charges);
+    pass_until(JP_ROUND_CHARGING);
+    pass_until(JP_ROUND_DWELLING);
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_NO_REASON, round_trip.reason);
 }
 
 static void test_what_stood_in_the_way_is_forgotten_at_the_charger(void)
