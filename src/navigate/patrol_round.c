@@ -244,7 +244,7 @@ static void go(struct jp_patrol_round *round, uint16_t stop, enum jp_patrol_roun
     }
 }
 
-static bool is_home(const struct jp_patrol_round *round)
+static bool is_at_charger(const struct jp_patrol_round *round)
 {
     const struct jp_plane_pose *charger = &round->internal.config.charger;
     const struct jp_patrol_config *config = &round->internal.pilot->mission.patrol.config;
@@ -257,7 +257,7 @@ static bool is_home(const struct jp_patrol_round *round)
 /** Where somebody stands in its way as it leaves, it may not have left. */
 static void go_home(struct jp_patrol_round *round)
 {
-    if (is_home(round)) {
+    if (is_at_charger(round)) {
         jp_patrol_pilot_stop(round->internal.pilot);
         begin_survey(round);
     } else {

@@ -462,18 +462,31 @@ static void test_where_it_gets_nowhere_it_waits_and_tries_to_get_home(void)
     pass_until(JP_ROUND_DWELLING);
 }
 
-static void test_who_could_not_leave_the_charger_is_charged(void)
+/* As if somebody stood before it. */
+static void wait_at_the_charger(void)
 {
     begin();
     switch_on();
     pass_until(JP_ROUND_LEAVING);
-    for (unsigned i = 0; i < 4; i++) { /* as if somebody stood before it */
+    for (unsigned i = 0; i < 4; i++) {
         TEST_ASSERT_EQUAL_INT(JP_ROUND_LEAVING, round_trip.state);
         jp_patrol_pilot_stop(&pilot);
         tick();
     }
     TEST_ASSERT_EQUAL_INT(JP_ROUND_WAITING, round_trip.state);
     pass_until_not(JP_ROUND_WAITING);
+}
+
+static void test_who_is_turned_away_from_the_charger_is_not_at_it(void)
+{
+    config.charger.heading = 1.0f;
+    wait_at_the_charger();
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_HOMING, round_trip.state);
+}
+
+static void test_who_could_not_leave_the_charger_is_charged(void)
+{
+    wait_at_the_charger();
     TEST_ASSERT_EQUAL_INT(JP_ROUND_SURVEYING, round_trip.state);
     TEST_ASSERT_EQUAL_UINT32(0, round_trip.charges);
     pass_until(JP_ROUND_CHARGING);
