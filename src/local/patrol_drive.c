@@ -109,11 +109,12 @@ static bool can_stop(const struct jp_patrol *patrol, const struct jp_plane_speed
     const unsigned steps = (unsigned)(seconds * forward / WAY_STEP) + COMMAND_STEPS;
     const float part = seconds / (float)steps;
     const struct jp_plane_pose step = {speed->forward * part, 0.0f, speed->turn_rate * part};
+    const float least = jp_patrol_least_clearance(patrol);
     struct jp_plane_pose pose = patrol->pose;
 
     for (unsigned i = 0; i < steps; i++) {
         pose = jp_plane_compose(&pose, &step);
-        if (jp_patrol_clearance(patrol, &pose) < 0.0f) {
+        if (jp_patrol_clearance(patrol, &pose) < least) {
             return false;
         }
     }

@@ -12,6 +12,9 @@
 /* Of clearances between scans, m. */
 #define NOISE 0.01f
 
+/* Of the tolerance of scans, which is four times the laser's noise: thrice that. */
+#define SAFE 0.75f
+
 /* Steps that are tried, m and rad. */
 #define STEP_LENGTH  0.15f
 #define STEP_LENGTHS 5U
@@ -25,6 +28,13 @@ float jp_patrol_clearance(const struct jp_patrol *patrol, const struct jp_plane_
 {
     return jp_obstacles_distance(&patrol->obstacles, &patrol->config.teb.footprint, pose) +
            0.5f * patrol->config.scan.tolerance;
+}
+
+float jp_patrol_least_clearance(const struct jp_patrol *patrol)
+{
+    const float now = jp_patrol_clearance(patrol, &patrol->pose) - NOISE;
+
+    return jp_plane_clamp(now, 0.0f, SAFE * patrol->config.scan.tolerance);
 }
 
 float jp_patrol_clearance_later(const struct jp_patrol *patrol, const struct jp_plane_pose *pose, float time)

@@ -8,7 +8,11 @@
  *  half of its tolerance. */
 float jp_patrol_clearance(const struct jp_patrol *patrol, const struct jp_plane_pose *pose);
 
-/** The same when the robot will be there, so much later, s: what moves goes on, and may be off by its margin. */
+/** Nearer than this it comes to nothing, of its own will, m: what laser and pose may be off by; where it is nearer
+ *  already, no nearer than that. */
+float jp_patrol_least_clearance(const struct jp_patrol *patrol);
+
+/** The distance when the robot will be there, so much later, s: what moves goes on, and may be off by its margin. */
 float jp_patrol_clearance_later(const struct jp_patrol *patrol, const struct jp_plane_pose *pose, float time);
 
 /** Whether the footprint keeps a clearance while it turns in place by an angle, which has a sign. */

@@ -194,7 +194,7 @@ static bool find_step_along(struct jp_patrol *patrol)
 /* With the clearance that is wanted where there is a place with it, else with as much as there is. */
 void jp_patrol_turn_to(struct jp_patrol *patrol, float heading)
 {
-    const float least = patrol->config.turn_clearance;
+    const float least = jp_plane_larger(patrol->config.turn_clearance, jp_patrol_least_clearance(patrol));
     const float more = jp_plane_larger(patrol->config.teb.clearance - least, 0.0f);
 
     for (unsigned i = 0; i < TURN_TRIES; i++) {
@@ -245,7 +245,7 @@ void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed
     const float ahead = rate_now * (TURN_FORESIGHT + 0.5f * rate_now / config->turn_acceleration) + TURN_MARGIN;
 
     if (!jp_patrol_is_turn_free(patrol, &patrol->pose, jp_plane_clamp(remaining, -ahead, ahead),
-                                config->turn_clearance)) {
+                                jp_plane_larger(config->turn_clearance, jp_patrol_least_clearance(patrol)))) {
         jp_patrol_wait(patrol, JP_PATROL_BLOCKED);
         return;
     }

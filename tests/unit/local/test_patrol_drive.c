@@ -531,7 +531,7 @@ static void test_a_step_to_the_goal_that_is_not_free_is_not_taken(void)
     while (!(jp_plane_magnitude(jp_plane_wrap(robot.heading - 2.5f)) < 0.3f)) {
         rig_cycle();
     }
-    rig_wall(1.6f, -1.0f, 1.6f, 1.0f);
+    rig_wall(1.57f, -1.0f, 1.57f, 1.0f);
     (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
     TEST_ASSERT_NEAR(0.05f, 2.12f, robot.x);
     TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.steps);

@@ -250,6 +250,19 @@ static void test_no_room_to_turn_anywhere(void)
     rig_expect(JP_PATROL_STOPPED, JP_PATROL_BLOCKED);
 }
 
+/* Corners that pass a wall at less than laser and pose may be off by: there is room by the numbers, and it is not used.
+ */
+static void test_room_that_may_be_none_is_not_turned_in(void)
+{
+    rig_wall(-2.0f, 0.51f, 2.0f, 0.51f);
+    rig_wall(-2.0f, -0.51f, 2.0f, -0.51f);
+    rig_wall(0.51f, -2.0f, 0.51f, 2.0f);
+    rig_wall(-0.51f, -2.0f, -0.51f, 2.0f);
+    rig_go(0.0f, 2.0f);
+    rig_cycle();
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+}
+
 /* Beside a goal, so near a wall that only at the goal itself there is room to turn. */
 static void arrive_beside_the_goal(float x)
 {
