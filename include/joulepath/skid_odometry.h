@@ -8,7 +8,8 @@
  *             the noise grows with the way and with the turn, so stands tell b, and turns tell r; the more pushes the
  *             robot, the less
  *   scale     γ = γ0 + (r/ρ0 − 1 − γ0) σγ²/(σγ² + σρ²): the part of r that its priors give to the gyro; the rest is
- * slip, ρ. What a drive has taught of γ is the next one's prior (struct jp_gyro_scale): grounds change, gyros do not
+ *             slip, ρ. What a drive has taught of γ is the next one's prior (struct jp_gyro_scale): grounds change,
+ *             gyros do not
  *   tilt      ṗ = ω q − ψ̇, q̇ = −ω p: a Kalman filter of the grade p ahead and q to the left and of the accelerometer's
  *             offset. What is measured is p, the pitch gyro tells how it changes, so a turn shows q; what speeds up or
  *             has just done so tells less
