@@ -7,6 +7,7 @@
 #define JOULEPATH_HAL_APP_PATROL_MEMORY_H
 
 #include "hal/app/ecu_patrol.h"
+#include "hal/app/navigation.h"
 
 /** As many as a hall of 25 × 20 m has of 0.05 m. */
 #ifndef JP_PATROL_CELLS

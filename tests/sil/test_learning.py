@@ -133,8 +133,8 @@ def test_what_was_learned_of_the_other_energy_is_refused_and_named(drive, tmp_pa
 
 @pytest.mark.parametrize(("record", "stored", "reason"), [
     (b"\x01" + bytes(99), OTHER_VERSION, "of another version of the firmware"),
-    (b"\x02\x00\x00\x00" + bytes(3), DAMAGED, "damaged"),
-    (b"\x02\x00\x00\x00" + bytes(108), OTHER_ROBOT, "of another robot"),
+    (b"\x03\x00\x00\x00" + bytes(3), DAMAGED, "damaged"),
+    (b"\x03\x00\x00\x00" + bytes(RECORD_LENGTH - 4), OTHER_ROBOT, "of another robot"),
     (bytes(1000), OTHER_VERSION, "of another version"),
 ])
 def test_a_file_that_is_no_record_of_this_robot(drive, tmp_path, record, stored, reason):
