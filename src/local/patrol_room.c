@@ -12,7 +12,7 @@
 /* Of clearances between scans, m. */
 #define NOISE 0.01f
 
-/* Of the tolerance of scans, which is four times the laser's noise: thrice that. */
+/* Of the tolerance of scans: as a robot's file has that, four times the laser's noise, it is thrice the noise. */
 #define SAFE 0.75f
 
 /* Steps that are tried, m and rad. */

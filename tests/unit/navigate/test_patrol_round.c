@@ -260,28 +260,11 @@ static void test_after_journeys_that_met_nobody_it_stays_longer(void)
     TEST_ASSERT_EQUAL_INT(JP_ROUND_DWELLING, round_trip.state);
 }
 
-static void test_what_one_journey_took_for_who_stood_in_its_way_is_kept_for_the_way_home(void)
+/** On its first journey, as if it had waited; at a later stop it is to stay for long. */
+static void take_long_on_the_way_out(uint16_t stay)
 {
     config.full = 50000.0f;
-    config.stops[0].dwell = 60.0f;
-    available = config.full;
-    begin();
-    switch_on();
-    pass_until(JP_ROUND_LEAVING);
-    for (unsigned i = 0; i < 200; i++) {
-        tick();
-    }
-    available -= 5000.0f; /* as if it had waited */
-    pass_until(JP_ROUND_DWELLING);
-    available = needed_alone() + 4500.0f;
-    tick();
-    TEST_ASSERT_EQUAL_INT(JP_ROUND_HOMING, round_trip.state);
-}
-
-static void test_a_journey_that_is_given_up_counts_too(void)
-{
-    config.full = 50000.0f;
-    config.stops[1].dwell = 60.0f;
+    config.stops[stay].dwell = 60.0f;
     available = config.full;
     begin();
     switch_on();
@@ -290,6 +273,20 @@ static void test_a_journey_that_is_given_up_counts_too(void)
         tick();
     }
     available -= 5000.0f;
+}
+
+static void test_what_one_journey_took_for_who_stood_in_its_way_is_kept_for_the_way_home(void)
+{
+    take_long_on_the_way_out(0);
+    pass_until(JP_ROUND_DWELLING);
+    available = needed_alone() + 4500.0f;
+    tick();
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_HOMING, round_trip.state);
+}
+
+static void test_a_journey_that_is_given_up_counts_too(void)
+{
+    take_long_on_the_way_out(1);
     give_up();
     TEST_ASSERT_EQUAL_INT(JP_ROUND_LEAVING, round_trip.state);
     pass_until(JP_ROUND_DWELLING);
