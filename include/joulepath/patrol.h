@@ -18,8 +18,8 @@
  *
  * It yields to people: to who walks, or has walked and may walk on or back. Their places are foreseen, and it goes on
  * no faster than it can without coming near them (struct jp_patrol_people). Towards anything it drives no faster than
- * it can stop 0.1 m before it, or creeps where there is less room; what it passes at the same distance does not slow
- * it.
+ * it can stop 0.1 m before it. Where its band leads nearer than that it turns in place, or steps to where it can, or,
+ * where neither is free, creeps; what it passes at the same distance does not slow it.
  *
  * One call of jp_patrol_cycle() a cycle, 5…20 a second, outside interrupts; its twist goes to jp_four_wheel_tick() in
  * the control tick. In HELD, WAITING, ARRIVED and STOPPED the twist is 0: the wheels stop and keep their angles. A path
@@ -170,6 +170,7 @@ struct jp_patrol_internal {
     float turn_target;
     float turn_remaining; /**< rad; beyond half a turn when it goes round the longer side */
     struct jp_plane_point step_target;
+    bool turns_after_step;   /**< to turn_target, for which the step made room */
     float glide_heading;     /**< at which a glide ends */
     float glide_least;       /**< clearance that it keeps, m */
     bool is_setting_off;     /**< the glide began at a stand, at step_target */
@@ -177,6 +178,7 @@ struct jp_patrol_internal {
     bool is_arriving;        /**< at the goal: only the standstill and the turn are left */
     uint16_t waited;
     uint16_t free_cycles; /**< in a row with a free path while waiting */
+    uint8_t rooms;        /**< made since the robot last made progress */
     uint8_t tries;        /**< to drive on after waiting, since the robot last made progress */
     uint16_t jumps;       /**< of the laser's pose, in a row */
     float blind;          /**< distance since its last good one, m */

@@ -112,6 +112,7 @@ struct jp_teb_pose {
 struct jp_teb_result {
     struct jp_plane_pose start;  /**< the first pose: wheels and laser together */
     struct jp_plane_speed speed; /**< to drive at until the next cycle; 0 unless JP_OK */
+    struct jp_plane_speed first; /**< the same by the first step alone: nearer to the band, with more noise */
     float clearance;             /**< least distance of the band's footprints from obstacles that stand, m */
     float duration;              /**< s */
     float cost;

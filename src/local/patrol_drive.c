@@ -15,6 +15,9 @@
 #define COMMAND_STEPS 3U
 #define WAY_STEP      0.1f
 
+/* The pose of the band that says where it leads to; every band has it. */
+#define SOON 2U
+
 /* Of the speed that the band wants, those that are tried. */
 #define SHARES 5U
 
@@ -99,8 +102,8 @@ static struct jp_teb_task task_of(const struct jp_patrol *patrol, const struct j
     return task;
 }
 
-/* True when the robot moves freely until it has stopped from this speed, on its curve. */
-static bool can_stop(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
+/* The least distance from anything until the robot has stopped from this speed, on its curve. */
+static float clearance_until_stop(const struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const float forward = jp_plane_magnitude(speed->forward);
     const float braking =
@@ -109,16 +112,14 @@ static bool can_stop(const struct jp_patrol *patrol, const struct jp_plane_speed
     const unsigned steps = (unsigned)(seconds * forward / WAY_STEP) + COMMAND_STEPS;
     const float part = seconds / (float)steps;
     const struct jp_plane_pose step = {speed->forward * part, 0.0f, speed->turn_rate * part};
-    const float least = jp_patrol_least_clearance(patrol);
     struct jp_plane_pose pose = patrol->pose;
+    float least = JP_OBSTACLE_NONE;
 
     for (unsigned i = 0; i < steps; i++) {
         pose = jp_plane_compose(&pose, &step);
-        if (jp_patrol_clearance(patrol, &pose) < least) {
-            return false;
-        }
+        least = jp_plane_smaller(jp_patrol_clearance(patrol, &pose), least);
     }
-    return true;
+    return least;
 }
 
 /* Slows the command down to where the robot could stop. False: it could from none. */
@@ -130,7 +131,7 @@ static bool heed_stop(const struct jp_patrol *patrol, struct jp_plane_speed *spe
         const float share = 1.0f - (float)i / (float)SHARES;
 
         *speed = (struct jp_plane_speed){share * wanted.forward, share * wanted.turn_rate};
-        if (can_stop(patrol, speed)) {
+        if (clearance_until_stop(patrol, speed) >= jp_patrol_least_clearance(patrol)) {
             return true;
         }
     }
@@ -157,6 +158,17 @@ static struct jp_plane_speed reachable(const struct jp_patrol *patrol, const str
         return *wanted;
     }
     return (struct jp_plane_speed){wanted->forward * (limit / speed), wanted->turn_rate * (limit / speed)};
+}
+
+/* Along the mean of its first steps, unless that cuts a corner that its first step alone does not. */
+static struct jp_plane_speed speed_along_band(const struct jp_patrol *patrol)
+{
+    const struct jp_plane_speed mean = reachable(patrol, &patrol->band.speed);
+    const struct jp_plane_speed first = reachable(patrol, &patrol->band.first);
+    const float kept = jp_plane_smaller(jp_patrol_clearance(patrol, &patrol->pose), patrol->config.glide_clearance);
+    const float by_mean = clearance_until_stop(patrol, &mean);
+
+    return by_mean < kept && by_mean < clearance_until_stop(patrol, &first) ? first : mean;
 }
 
 static bool is_anything_moving(const struct jp_patrol *patrol)
@@ -203,7 +215,7 @@ static bool plan_band(struct jp_patrol *patrol, const struct jp_patrol_window *w
 
     jp_patrol_correct_pose(patrol);
     if (status == JP_OK && !has_band_stalled(patrol, speed)) {
-        struct jp_plane_speed next = reachable(patrol, &patrol->band.speed);
+        struct jp_plane_speed next = speed_along_band(patrol);
 
         if (heed_stop(patrol, &next)) {
             patrol->internal.command = next;
@@ -213,6 +225,22 @@ static bool plan_band(struct jp_patrol *patrol, const struct jp_patrol_window *w
     patrol->counts.infeasible++;
     *reason = status == JP_ERR_BLOCKED ? JP_PATROL_IN_COLLISION : JP_PATROL_BLOCKED;
     return false;
+}
+
+/* The band leads the robot nearer to something than it has to come: it plans what wheels cannot do at once, as its
+ * limits are soft. */
+static bool is_cornered(const struct jp_patrol *patrol)
+{
+    const float here = jp_patrol_clearance(patrol, &patrol->pose) - JP_PATROL_CLEARANCE_NOISE;
+
+    return patrol->config.turns_in_place &&
+           clearance_until_stop(patrol, &patrol->internal.command) < jp_plane_smaller(here, JP_PATROL_CLEARANCE);
+}
+
+/* Where the band leads to. */
+static float band_heading(const struct jp_patrol *patrol)
+{
+    return patrol->teb.poses[SOON].pose.heading;
 }
 
 static bool must_turn_first(const struct jp_patrol *patrol, const struct jp_patrol_window *window,
@@ -238,14 +266,33 @@ static bool is_step_cheapest(const struct jp_patrol *patrol, const struct jp_pat
                jp_patrol_straight_price(config, first, away) + jp_patrol_turn_price(config, then);
 }
 
+/* Of a robot that stands: with the heading that it has, or that of the goal, if that is free and takes least. */
+static bool step_to_goal(struct jp_patrol *patrol, const struct jp_patrol_window *window)
+{
+    if (!is_step_cheapest(patrol, window)) {
+        return false;
+    }
+    if (jp_patrol_find_step_to_goal(patrol)) {
+        jp_patrol_begin_step(patrol);
+        return true;
+    }
+    return jp_patrol_turn_before_step(patrol);
+}
+
 static void turn_first(struct jp_patrol *patrol, const struct jp_patrol_window *window)
 {
-    if (jp_patrol_find_step_to_goal(patrol) && is_step_cheapest(patrol, window)) {
-        jp_patrol_begin_step(patrol);
-        return;
-    }
-    if (!jp_patrol_set_off(patrol, window)) {
+    if (!step_to_goal(patrol, window) && !jp_patrol_set_off(patrol, window)) {
         jp_patrol_turn_to(patrol, window->direction);
+    }
+}
+
+/* No band leads on. */
+static void stop_short(struct jp_patrol *patrol, const struct jp_patrol_window *window,
+                       const struct jp_plane_speed *speed, enum jp_patrol_reason reason)
+{
+    if (!patrol->config.turns_in_place || !window->is_goal || !jp_patrol_is_standing(speed) ||
+        !step_to_goal(patrol, window)) {
+        jp_patrol_wait(patrol, reason);
     }
 }
 
@@ -278,6 +325,7 @@ void jp_patrol_drive(struct jp_patrol *patrol, const struct jp_plane_speed *spee
     if (jp_patrol_advance(patrol)) {
         patrol->internal.unmoved = 0;
         patrol->internal.tries = 0;
+        patrol->internal.rooms = 0;
     }
     jp_patrol_look_ahead(patrol, patrol->config.horizon, &window);
     if (window.distance > patrol->config.horizon) {
@@ -288,7 +336,9 @@ void jp_patrol_drive(struct jp_patrol *patrol, const struct jp_plane_speed *spee
     } else if (jp_patrol_glide_in(patrol, &window)) {
         jp_patrol_correct_pose(patrol);
     } else if (!plan_band(patrol, &window, speed, &reason)) {
-        jp_patrol_wait(patrol, reason);
+        stop_short(patrol, &window, speed, reason);
+    } else if (is_cornered(patrol) && jp_patrol_make_room(patrol, band_heading(patrol), jp_patrol_is_standing(speed))) {
+        /* It brakes, or turns or steps to where it can go on. */
     } else if (!jp_patrol_trust_path(patrol)) {
         jp_patrol_stand(patrol);
     } else {

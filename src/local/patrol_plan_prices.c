@@ -1,6 +1,7 @@
 #include "src/local/patrol_plan_prices.h"
 
 #include "src/base/plane.h"
+#include "src/local/patrol_room.h"
 #include "src/local/patrol_yield.h"
 
 /* More joules than any price of a metre may be. */

@@ -9,9 +9,6 @@
 #define SWEEP_STEP 0.09f
 #define WAY_STEP   0.05f
 
-/* Of clearances between scans, m. */
-#define NOISE 0.01f
-
 /* Of the tolerance of scans: as a robot's file has that, four times the laser's noise, it is thrice the noise. */
 #define SAFE 0.75f
 
@@ -32,7 +29,7 @@ float jp_patrol_clearance(const struct jp_patrol *patrol, const struct jp_plane_
 
 float jp_patrol_least_clearance(const struct jp_patrol *patrol)
 {
-    const float now = jp_patrol_clearance(patrol, &patrol->pose) - NOISE;
+    const float now = jp_patrol_clearance(patrol, &patrol->pose) - JP_PATROL_CLEARANCE_NOISE;
 
     return jp_plane_clamp(now, 0.0f, SAFE * patrol->config.scan.tolerance);
 }
@@ -105,7 +102,7 @@ static bool keeps_clearance(const struct jp_patrol *patrol, const struct jp_plan
 bool jp_patrol_is_step_free_from(const struct jp_patrol *patrol, const struct jp_plane_pose *from,
                                  const struct jp_plane_pose *step, float clearance)
 {
-    const float now = jp_patrol_clearance(patrol, from) - NOISE;
+    const float now = jp_patrol_clearance(patrol, from) - JP_PATROL_CLEARANCE_NOISE;
 
     return keeps_clearance(patrol, from, step, jp_plane_smaller(now, clearance));
 }

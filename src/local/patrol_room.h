@@ -4,6 +4,12 @@
 
 #include <joulepath/patrol.h>
 
+/** What the robot keeps from things that it drives towards, m. */
+#define JP_PATROL_CLEARANCE 0.1f
+
+/** Of clearances between scans, m. */
+#define JP_PATROL_CLEARANCE_NOISE 0.01f
+
 /** Distance of the footprint at a pose from what the last scan saw, m: the shapes are larger by about
  *  half of its tolerance. */
 float jp_patrol_clearance(const struct jp_patrol *patrol, const struct jp_plane_pose *pose);

@@ -31,6 +31,9 @@
 #define FREE_CYCLES 3U
 #define TRIES_MAX   8U
 
+/* Times that it makes room without progress. */
+#define ROOMS_MAX 2U
+
 #define Q24 (1.0f / (float)JP_Q24_ONE)
 
 float jp_patrol_stopping_speed(const struct jp_patrol_config *config, float deceleration, float distance)
@@ -92,6 +95,7 @@ bool jp_patrol_trust_path(struct jp_patrol *patrol)
 
 void jp_patrol_begin_step(struct jp_patrol *patrol)
 {
+    patrol->internal.turns_after_step = false;
     if (jp_patrol_trust_path(patrol)) {
         jp_patrol_enter(patrol, JP_PATROL_STEPPING, JP_PATROL_NONE);
     }
@@ -118,6 +122,24 @@ static void begin_turn(struct jp_patrol *patrol, float heading, float angle)
     } else {
         jp_patrol_stand(patrol);
     }
+}
+
+bool jp_patrol_turn_before_step(struct jp_patrol *patrol)
+{
+    const struct jp_plane_pose *const goal = &patrol->internal.goal.pose;
+    const struct jp_plane_pose turned = {patrol->pose.x, patrol->pose.y, goal->heading};
+    const struct jp_plane_pose remaining = jp_plane_relative(&turned, goal);
+    const struct jp_plane_pose step = {remaining.x, remaining.y, 0.0f};
+    const float clearance = step_clearance(&patrol->config);
+    float angle;
+
+    if (patrol->config.strategy != (uint8_t)JP_PATROL_BY_COST || patrol->internal.goal.is_heading_free ||
+        !jp_patrol_find_turn(patrol, &patrol->pose, goal->heading, clearance, &angle) ||
+        jp_plane_magnitude(angle) <= ROUGHLY || !jp_patrol_is_step_free_from(patrol, &turned, &step, clearance)) {
+        return false;
+    }
+    begin_turn(patrol, goal->heading, angle);
+    return true;
 }
 
 /* A place with room for the turn; at the goal one from where the robot then steps into it. */
@@ -147,6 +169,29 @@ static bool turn_with(struct jp_patrol *patrol, float heading, float clearance)
         return true;
     }
     return false;
+}
+
+bool jp_patrol_make_room(struct jp_patrol *patrol, float heading, bool is_standing)
+{
+    float angle;
+    const bool turns = jp_patrol_find_turn(patrol, &patrol->pose, heading, JP_PATROL_CLEARANCE, &angle) &&
+                       jp_plane_magnitude(angle) > ROUGHLY;
+
+    if (patrol->internal.rooms >= ROOMS_MAX || (!turns && !find_room(patrol, heading, JP_PATROL_CLEARANCE))) {
+        return false;
+    }
+    jp_patrol_stand(patrol);
+    if (is_standing) {
+        patrol->internal.rooms++;
+        if (turns) {
+            begin_turn(patrol, heading, angle);
+        } else {
+            jp_patrol_begin_step(patrol);
+            patrol->internal.turns_after_step = true;
+            patrol->internal.turn_target = heading;
+        }
+    }
+    return true;
 }
 
 /* The point of the path so far ahead, m, or its last one. */
@@ -259,6 +304,20 @@ void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed
     patrol->internal.command = (struct jp_plane_speed){0.0f, remaining < 0.0f ? -rate : rate};
 }
 
+/* Turns to where the step made room for it, or drives on. */
+static void end_step(struct jp_patrol *patrol)
+{
+    const float heading = patrol->internal.turn_target;
+    float angle;
+
+    if (patrol->internal.turns_after_step &&
+        jp_patrol_find_turn(patrol, &patrol->pose, heading, JP_PATROL_CLEARANCE, &angle)) {
+        begin_turn(patrol, heading, angle);
+    } else {
+        jp_patrol_enter(patrol, JP_PATROL_DRIVING, JP_PATROL_NONE);
+    }
+}
+
 void jp_patrol_step(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const struct jp_plane_pose target = {patrol->internal.step_target.x, patrol->internal.step_target.y,
@@ -272,7 +331,7 @@ void jp_patrol_step(struct jp_patrol *patrol, const struct jp_plane_speed *speed
         jp_patrol_enter(patrol, JP_PATROL_DRIVING, JP_PATROL_NONE);
     } else if (away < STEP_TOLERANCE) {
         if (jp_patrol_is_standing(speed)) {
-            jp_patrol_enter(patrol, JP_PATROL_DRIVING, JP_PATROL_NONE);
+            end_step(patrol);
         }
     } else if (!jp_patrol_is_step_free(patrol, &remaining, step_clearance(&patrol->config))) {
         jp_patrol_wait(patrol, JP_PATROL_BLOCKED);

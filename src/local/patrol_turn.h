@@ -20,11 +20,18 @@ bool jp_patrol_trust_path(struct jp_patrol *patrol);
 /** The step to the goal, if it is near and not behind. */
 bool jp_patrol_find_step_to_goal(struct jp_patrol *patrol);
 
+/** Begins the turn to the goal's heading, if it and the step to the goal after it are free. */
+bool jp_patrol_turn_before_step(struct jp_patrol *patrol);
+
 /** Begins the step that was found. */
 void jp_patrol_begin_step(struct jp_patrol *patrol);
 
 /** Begins a turn in place, or a step to where there is room for it; waits where there is none. */
 void jp_patrol_turn_to(struct jp_patrol *patrol, float heading);
+
+/** Brakes; from a stand begins a turn in place to a heading, or a step to where there is room for it, that keep what
+ * the robot keeps beside things. False: neither is free, or two did not bring it on. */
+bool jp_patrol_make_room(struct jp_patrol *patrol, float heading, bool is_standing);
 
 /** A cycle of the state TURNING. */
 void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed);

@@ -4,9 +4,6 @@
 
 #include <joulepath/patrol.h>
 
-/** What the robot keeps from things that it drives towards, m. */
-#define JP_PATROL_CLEARANCE 0.1f
-
 /**
  * Slows the command of this cycle down, with its curve kept, to what is safe in time: among a few speeds it takes the
  * highest at which the robot keeps its clearance, all along what it plans for some seconds, from where people may be

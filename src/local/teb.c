@@ -254,8 +254,8 @@ static float step_length(const struct jp_teb_pose *from, const struct jp_teb_pos
     return c * (to->pose.x - from->pose.x) + s * (to->pose.y - from->pose.y);
 }
 
-/* Mean over the first steps: one alone passes on all noise of where the robot is. */
-static struct jp_plane_speed first_speed(const struct jp_teb *teb)
+/* Mean over the first steps: one alone passes on all noise of where the robot is, more cut corners. */
+static struct jp_plane_speed first_speed(const struct jp_teb *teb, unsigned steps)
 {
     const struct jp_teb_pose *const poses = teb->poses;
     const float reverse = teb->config.weights.no_reversing > 0.0f ? 0.0f : teb->config.reverse_max;
@@ -263,7 +263,7 @@ static struct jp_plane_speed first_speed(const struct jp_teb *teb)
     float turn = 0.0f;
     float duration = 0.0f;
 
-    for (unsigned i = 0; i < SPEED_STEPS; i++) {
+    for (unsigned i = 0; i < steps; i++) {
         length += step_length(&poses[i], &poses[i + 1U]);
         turn += jp_plane_wrap(poses[i + 1U].pose.heading - poses[i].pose.heading);
         duration += poses[i].interval;
@@ -315,6 +315,7 @@ enum jp_status jp_teb_plan(struct jp_teb *teb, const struct jp_teb_task *task, c
         return JP_ERR_INFEASIBLE;
     }
     result->start = teb->poses[0].pose;
-    result->speed = first_speed(teb);
+    result->speed = first_speed(teb, SPEED_STEPS);
+    result->first = first_speed(teb, 1U);
     return JP_OK;
 }

@@ -1,4 +1,6 @@
 /* The patrol where there is little room: turns in place and the steps to where they are free. */
+#include "src/local/patrol_room.h"
+#include "src/local/patrol_turn.h"
 #include "tests/support/patrol_rig.h"
 
 void setUp(void)
@@ -193,6 +195,195 @@ static void test_goal_in_a_slot_where_no_turn_fits(void)
     (void)rig_until(JP_PATROL_WAITING, RIG_LONG);
     rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
     rig_expect_stand();
+}
+
+/* In a slot that the robot fits into lengthwise, but not across. */
+static void face_the_slot(uint8_t strategy)
+{
+    config.strategy = strategy;
+    rig_init();
+    rig_wall(-0.4f, 0.55f, -0.4f, 1.5f);
+    rig_wall(0.4f, 0.55f, 0.4f, 1.5f);
+    rig_go_to_heading(0.0f, 0.5f, -0.5f * JP_PLANE_PI);
+    rig_cycle();
+}
+
+static void test_robot_turns_before_it_steps_into_a_slot(void)
+{
+    face_the_slot((uint8_t)JP_PATROL_BY_COST);
+    rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
+    TEST_ASSERT_NEAR(1e-4f, -0.5f * JP_PLANE_PI, patrol.internal.turn_target);
+    (void)rig_until(JP_PATROL_STEPPING, 60);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_NEAR(0.05f, 0.5f, robot.y);
+    TEST_ASSERT_NEAR(0.08f, -0.5f * JP_PLANE_PI, robot.heading);
+}
+
+static void test_by_the_fixed_angle_it_does_not_turn_before_a_step(void)
+{
+    face_the_slot((uint8_t)JP_PATROL_FIXED_ANGLE);
+    TEST_ASSERT_FALSE(jp_patrol_turn_before_step(&patrol));
+}
+
+static void test_nothing_is_turned_to_at_a_goal_of_any_heading(void)
+{
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    rig_init();
+    rig_go(0.0f, 0.5f);
+    rig_cycle();
+    TEST_ASSERT_FALSE(jp_patrol_turn_before_step(&patrol));
+}
+
+/* There is a step, but it has the heading. */
+static void test_robot_with_the_heading_does_not_turn_before_a_step(void)
+{
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    rig_init();
+    rig_go_to_heading(0.0f, 0.5f, 0.0f);
+    rig_cycle();
+    TEST_ASSERT_FALSE(jp_patrol_turn_before_step(&patrol));
+}
+
+static void test_robot_does_not_turn_before_a_step_that_would_not_be_free(void)
+{
+    rig_wall(-1.0f, 0.75f, 1.0f, 0.75f);
+    face_the_slot((uint8_t)JP_PATROL_BY_COST);
+    TEST_ASSERT_FALSE(jp_patrol_turn_before_step(&patrol));
+}
+
+static void test_robot_does_not_turn_before_a_step_where_it_has_no_room(void)
+{
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    rig_init();
+    rig_wall(-1.0f, -0.35f, 1.0f, -0.35f);
+    rig_wall(-1.0f, 0.35f, 1.0f, 0.35f);
+    rig_go_to_heading(0.6f, 0.0f, 1.5f);
+    rig_cycle();
+    TEST_ASSERT_FALSE(jp_patrol_turn_before_step(&patrol));
+}
+
+/* ---- Making room ---- */
+
+/* On a straight way east, among what it sees. */
+static void be_under_way(void)
+{
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    rig_init();
+    rig_go(4.0f, 0.0f);
+    rig_cycle();
+    patrol.state = JP_PATROL_DRIVING;
+}
+
+static void test_room_is_made_by_a_turn(void)
+{
+    be_under_way();
+    TEST_ASSERT_TRUE(jp_patrol_make_room(&patrol, 0.4f, true));
+    rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
+    TEST_ASSERT_NEAR(1e-4f, 0.4f, patrol.internal.turn_target);
+}
+
+/* Its corners would come nearer to the wall before it than it keeps. */
+static void test_room_is_made_by_a_step_where_no_turn_keeps_clear(void)
+{
+    rig_wall(0.55f, -1.0f, 0.55f, 1.0f);
+    be_under_way();
+    TEST_ASSERT_TRUE(jp_patrol_make_room(&patrol, 0.4f, true));
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(patrol.internal.step_target.x < -0.03f);
+}
+
+static void test_a_turn_by_nothing_makes_no_room(void)
+{
+    be_under_way();
+    TEST_ASSERT_TRUE(jp_patrol_make_room(&patrol, 0.02f, true));
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+}
+
+static void test_robot_that_drives_brakes_before_it_makes_room(void)
+{
+    be_under_way();
+    TEST_ASSERT_TRUE(jp_patrol_make_room(&patrol, 0.4f, false));
+    rig_expect(JP_PATROL_DRIVING, JP_PATROL_NONE);
+    TEST_ASSERT_NEAR(1e-6f, 0.0f, patrol.internal.command.forward);
+    TEST_ASSERT_EQUAL_UINT8(0, patrol.internal.rooms);
+}
+
+static void test_no_room_is_made_where_there_is_none(void)
+{
+    rig_box(-0.47f, -0.37f, 0.47f, 0.37f);
+    be_under_way();
+    TEST_ASSERT_FALSE(jp_patrol_make_room(&patrol, 0.4f, true));
+}
+
+static void test_room_is_made_twice_without_progress(void)
+{
+    be_under_way();
+    TEST_ASSERT_TRUE(jp_patrol_make_room(&patrol, 0.4f, true));
+    TEST_ASSERT_TRUE(jp_patrol_make_room(&patrol, -0.4f, true));
+    TEST_ASSERT_FALSE(jp_patrol_make_room(&patrol, 0.4f, true));
+}
+
+/* Where it then has no room after all it drives on. */
+static void test_room_that_is_gone_after_the_step_is_not_turned_in(void)
+{
+    rig_wall(0.55f, -1.0f, 0.55f, 1.0f);
+    be_under_way();
+    TEST_ASSERT_TRUE(jp_patrol_make_room(&patrol, 0.4f, true));
+    rig_wall(-2.0f, 0.37f, 2.0f, 0.37f);
+    rig_wall(-2.0f, -0.37f, 2.0f, -0.37f);
+    (void)rig_until(JP_PATROL_DRIVING, 40);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.turns);
+}
+
+/* On a path that passes on one side of a box before it: the band slips aside, as its wheels cannot. */
+static void be_before_a_box(void)
+{
+    config.turn_first = 2.0f;
+    config.teb.weights.nonholonomic = 10.0f;
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    rig_init();
+    rig_straight(0.0f, 0.0f, 0.6f, -0.5f);
+    rig_straight(0.7f, -0.5f, 3.0f, -0.5f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(3.0f, -0.5f, 0.0f, true));
+    is_stuck = true;
+    rig_cycle();
+    is_stuck = false;
+    rig_box(0.54f, -0.05f, 1.0f, 0.8f);
+}
+
+static void test_robot_before_a_box_makes_room_and_passes_it(void)
+{
+    float least = RIG_RANGE;
+
+    be_before_a_box();
+    for (unsigned i = 0; i < RIG_LONG && patrol.state != JP_PATROL_ARRIVED; i++) {
+        rig_cycle();
+        least = jp_plane_smaller(least, jp_patrol_clearance(&patrol, &patrol.pose));
+    }
+    rig_expect(JP_PATROL_ARRIVED, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(patrol.counts.steps + patrol.counts.turns > 0U);
+    TEST_ASSERT_TRUE(least > JP_PATROL_CLEARANCE - JP_PATROL_CLEARANCE_NOISE);
+}
+
+static void test_robot_whose_room_did_not_bring_it_on_creeps(void)
+{
+    be_before_a_box();
+    patrol.internal.rooms = 2U;
+    rig_cycles(15);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.steps + patrol.counts.turns);
+    TEST_ASSERT_TRUE(robot.x > 0.0f);
+}
+
+/* Beside the robot, where a band that does not drive backwards cannot get. */
+static void test_goal_that_no_band_leads_to_is_stepped_to(void)
+{
+    config.turn_first = 2.0f;
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    rig_init();
+    rig_go_to_heading(0.0f, 0.3f, 0.0f);
+    (void)rig_until(JP_PATROL_STEPPING, 60);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.turns);
 }
 
 /* What the latency leaves behind is no matter for the band, but for what is done until then. */
