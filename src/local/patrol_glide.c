@@ -155,11 +155,12 @@ static unsigned free_steps(const struct jp_patrol *patrol, struct glide glide, u
         const float step = smaller(STEP_LENGTH, goal_distance(patrol, &glide.pose));
         const struct jp_plane_point way = jp_plane_direction(direction);
 
-        if (jp_plane_magnitude(askew) > askew_limit(&patrol->config)) {
-            return glide.is_begun ? steps : i - 1U;
-        }
+        /* At the goal there is no direction to it. */
         if (step < 0.5f * STEP_LENGTH || (!glide.is_to_goal && jp_plane_magnitude(askew) < ALONG)) {
             return steps;
+        }
+        if (jp_plane_magnitude(askew) > askew_limit(&patrol->config)) {
+            return glide.is_begun ? steps : i - 1U;
         }
         glide.pose.heading += turn_of(patrol, &glide, askew, step);
         glide.pose.x += step * way.x;
@@ -400,17 +401,32 @@ bool jp_patrol_can_glide_in(const struct jp_patrol *patrol)
 
 /* ---- A cycle ---- */
 
+/* As the robot turns on its way its outer wheels go faster than it does, and slow down faster: above 0, m/s². */
+static float gentle_braking(const struct jp_patrol *patrol, float speed, float turn_rate)
+{
+    const struct jp_patrol_config *const config = &patrol->config;
+
+    return config->teb.acceleration / config->people.braking * jp_patrol_braking(config, speed, turn_rate);
+}
+
+/* The turn that is left may go on as it does now, or must be faster. */
+static float stopping_speed(const struct jp_patrol *patrol, float now, float away, float turn)
+{
+    const float by_now = gentle_braking(patrol, larger(now, SET_OFF_SPEED), patrol->internal.command.turn_rate);
+    const float by_way = gentle_braking(patrol, away, turn);
+
+    return jp_patrol_stopping_speed(&patrol->config, smaller(by_now, by_way), away);
+}
+
 /* Fastest now, so that the robot can stop at the goal, and come to it turned. */
 static float speed_of(const struct jp_patrol *patrol, float now, float away, float remaining)
 {
     const struct jp_patrol_config *const config = &patrol->config;
+    const float turn = patrol->internal.is_gliding_to_goal ? jp_plane_magnitude(remaining) : 0.0f;
     const float rising = now + config->teb.acceleration * config->period;
-    const float stopping = jp_patrol_stopping_speed(config, config->teb.acceleration, away);
-    const float turning = patrol->internal.is_gliding_to_goal && jp_plane_magnitude(remaining) > ALONG
-                              ? config->turn_rate * away / jp_plane_magnitude(remaining)
-                              : config->teb.speed_max;
+    const float turning = turn > ALONG ? config->turn_rate * away / turn : config->teb.speed_max;
 
-    return smaller(smaller(rising, stopping), smaller(config->teb.speed_max, turning));
+    return smaller(smaller(rising, stopping_speed(patrol, now, away, turn)), smaller(config->teb.speed_max, turning));
 }
 
 /* Where the robot will be when the wheels do what is asked of them now. */

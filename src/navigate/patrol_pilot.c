@@ -448,6 +448,14 @@ static float metres_per_second(jp_q24 speed)
     return (float)speed / (float)JP_Q24_ONE;
 }
 
+/** On the robot as it stands now: where the scanner was when it began the scan. */
+static struct jp_plane_pose scanner_of(const struct jp_patrol_pilot *pilot, const struct jp_plane_pose *wheels)
+{
+    const struct jp_plane_pose before = jp_plane_relative(wheels, &pilot->internal.wheels);
+
+    return jp_plane_compose(&before, &pilot->internal.config.scanner->place);
+}
+
 static struct jp_patrol_input input_of(const struct jp_patrol_pilot *pilot,
                                        const struct jp_four_wheel_telemetry *telemetry)
 {
@@ -464,7 +472,7 @@ static struct jp_patrol_input input_of(const struct jp_patrol_pilot *pilot,
     };
 
     if (input.scan.ranges != NULL) {
-        input.wheels = pilot->internal.wheels;
+        input.sensor = scanner_of(pilot, &input.wheels);
     }
     return input;
 }
