@@ -148,13 +148,12 @@ static float path_length(const struct jp_patrol_plan *plan)
     return length;
 }
 
-/* On the spot there is no way to set off on. */
 static void set_off(struct planned_leg *leg)
 {
     const struct jp_patrol_plan *const plan = leg->plan;
     const float off = jp_plane_magnitude(jp_plane_wrap(direction_ahead(plan) - plan->start.heading));
 
-    if (leg->length > SHORT && leg->config->turns_in_place && off > leg->config->turn_first) {
+    if (leg->config->turns_in_place && off > leg->config->turn_first) {
         const float part = glides(leg) ? jp_patrol_set_off_part(leg->config, off) : 0.0f;
 
         turn(leg, jp_patrol_set_off_rest(leg->config, off, part));
@@ -229,12 +228,10 @@ static float drive(struct planned_leg *leg)
 {
     const struct jp_patrol_plan *const plan = leg->plan;
     float left = leg->length;
-    float heading = left > SHORT ? direction_ahead(plan) : plan->start.heading;
+    float heading = direction_ahead(plan);
     struct jp_plane_point from = point_of(plan, 0);
 
-    if (left > SHORT) {
-        set_going(leg);
-    }
+    set_going(leg);
     for (uint16_t i = 1; i < plan->path_count; i++) {
         const struct jp_plane_point to = point_of(plan, i);
         const float length = jp_plane_length(to.x - from.x, to.y - from.y);
@@ -300,7 +297,7 @@ static bool steps(const struct planned_leg *leg, struct jp_patrol_near_goal *way
         .first = jp_plane_magnitude(jp_plane_wrap(direction - plan->start.heading)),
         .then = plan->goal.is_heading_free ? 0.0f : then,
         .error = plan->goal.is_heading_free ? 0.0f : error};
-    return glides(leg) && leg->config->turns_in_place && leg->length > SHORT && way->first > leg->config->turn_first &&
+    return glides(leg) && leg->config->turns_in_place && way->first > leg->config->turn_first &&
            jp_plane_length(plan->goal.pose.x - end.x, plan->goal.pose.y - end.y) < leg->config->position_tolerance &&
            leg->length < STRAIGHT * way->away && jp_patrol_is_step_cheapest(leg->config, way);
 }
@@ -315,6 +312,13 @@ static void step(struct planned_leg *leg, const struct jp_patrol_near_goal *way)
     set_going(leg);
     drive_part(leg, speed, speed, leg->length, 0.0f);
     turn_to_goal(leg, leg->plan->start.heading, false);
+}
+
+/* Whoever stands at the end of the path has only to turn. */
+static void stay(struct planned_leg *leg)
+{
+    turn_to_goal(leg, leg->plan->start.heading, false);
+    drive_in(leg);
 }
 
 static void set_off_and_drive(struct planned_leg *leg)
@@ -338,7 +342,9 @@ enum jp_status jp_patrol_plan_energy(const struct jp_patrol_config *config,
 
     leg.room = leg.length;
 
-    if (steps(&leg, &way)) {
+    if (leg.length < config->position_tolerance) {
+        stay(&leg);
+    } else if (steps(&leg, &way)) {
         step(&leg, &way);
     } else {
         set_off_and_drive(&leg);

@@ -217,6 +217,18 @@ static void test_a_path_of_two_points(void)
     expect_leg(&plan, 2.0f, 55.0f);
 }
 
+static void test_a_point_that_comes_twice_counts_once(void)
+{
+    struct jp_patrol_plan plan = plan_to(0.5f, 0.0f, 0.0f, true);
+
+    path_count = 0;
+    rig_point(0.0f, 0.0f);
+    rig_point(0.0f, 0.0f);
+    rig_point(0.5f, 0.0f);
+    plan.path_count = path_count;
+    expect_leg(&plan, 2.0f, 55.0f);
+}
+
 static void test_a_small_angle_is_driven(void)
 {
     const struct jp_patrol_plan plan = plan_to(4.0f, 1.0f, 0.245f, false);
@@ -279,6 +291,13 @@ static void test_turns_before_it_drives_in(void)
                (6.0f + turn + in) * 25.0f + 49.0f + 4.0f * steering + 3.1416f * 0.333f * 10.0f);
 }
 
+static float seconds_of(const struct jp_patrol_plan *plan)
+{
+    duration = 0.0f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, plan, &drive, &duration));
+    return duration;
+}
+
 /* A quarter, in which no glide takes part; the wheels stay as they are. */
 static void test_turning_on_the_spot(void)
 {
@@ -294,18 +313,15 @@ static void test_turning_on_the_spot(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
     expect_within(0.02f, seconds, duration);
     expect_within(1.0f, joules, (float)drive.energy / 65536.0f);
+    path_count = 0;
+    rig_point(0.0f, 0.0f);
+    rig_point(0.0f, 0.9f * config.position_tolerance);
+    expect_within(0.02f, seconds, seconds_of(&plan));
     plan.start.heading = 1.5f;
     drive = (struct jp_four_wheel_drive){0};
     duration = 0.0f;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
     expect_within(1.0e-6f, 0.0f, duration);
-}
-
-static float seconds_of(const struct jp_patrol_plan *plan)
-{
-    duration = 0.0f;
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, plan, &drive, &duration));
-    return duration;
 }
 
 /* 1 rad is glided on a way of 3 m, and half of it on one of 0.3 m. */
