@@ -514,6 +514,15 @@ static void survey(struct jp_patrol_pilot *pilot)
     end_survey(pilot, status);
 }
 
+/** Whether there was something to search for. */
+static bool search(struct jp_patrol_pilot *pilot)
+{
+    const uint32_t before = pilot->localiser.counts.nodes;
+
+    (void)jp_localiser_work(&pilot->localiser, JP_PATROL_PILOT_NODES);
+    return pilot->localiser.counts.nodes != before;
+}
+
 void jp_patrol_pilot_work(struct jp_patrol_pilot *pilot)
 {
     struct jp_four_wheel_telemetry telemetry;
@@ -535,9 +544,11 @@ void jp_patrol_pilot_work(struct jp_patrol_pilot *pilot)
     }
     if (is_due(pilot, &telemetry)) {
         cycle(pilot, &telemetry);
+    } else if (!search(pilot)) {
+        (void)jp_patrol_mission_work(&pilot->mission, JP_PATROL_PILOT_EXPANSIONS);
+    } else {
+        /* While it is lost no way leads from where it believes to be. */
     }
-    (void)jp_localiser_work(&pilot->localiser, JP_PATROL_PILOT_NODES);
-    (void)jp_patrol_mission_work(&pilot->mission, JP_PATROL_PILOT_EXPANSIONS);
     note_plan(pilot);
     note_end(pilot);
 }
