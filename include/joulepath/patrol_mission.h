@@ -129,7 +129,7 @@ enum jp_status jp_patrol_mission_forget_marks(struct jp_patrol_mission *mission)
 void jp_patrol_mission_stop(struct jp_patrol_mission *mission);
 
 /** Continues planning, and marking what the last scan shows, whose ranges must stay until the next cycle: for at most so
- * many expansions (grid_planner.h), of which the cells along a beam count as two, or for one smoothing of a path
+ * many expansions (grid_planner.h), of which the cells along a beam count as four, or for one smoothing of a path
  * (path_spline.h) or one search for a place to turn, which reads 36 times the cells under the robot for each of up to 21
  * places. */
 enum jp_patrol_mission_state jp_patrol_mission_work(struct jp_patrol_mission *mission, unsigned expansions);

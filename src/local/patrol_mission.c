@@ -33,7 +33,7 @@
 #define WATCH_CYCLES   5U
 
 /* Of a beam, expansions. */
-#define BEAM_WORK 2U
+#define BEAM_WORK 4U
 
 /* A new path is looked for after so many blocked cycles, at most so often before the robot has got on by its horizon.
  */

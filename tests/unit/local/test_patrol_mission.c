@@ -64,7 +64,7 @@ static void occupy(float left, float bottom, float right, float top)
 /* As much as there is time for between two cycles, and until there is a path. */
 static void work(void)
 {
-    for (unsigned i = 0; i < 10U || mission.state == JP_MISSION_PLANNING; i++) {
+    for (unsigned i = 0; i < 15U || mission.state == JP_MISSION_PLANNING; i++) {
         planned += jp_patrol_mission_work(&mission, 50) == JP_MISSION_PLANNING ? 1U : 0U;
     }
 }
@@ -700,7 +700,7 @@ static void see_box(unsigned slices, unsigned expansions)
 
 static void test_a_scan_is_marked_in_slices(void)
 {
-    see_box(RIG_BEAMS / 5U - 1U, 8);
+    see_box(RIG_BEAMS / 3U - 1U, 8);
     TEST_ASSERT_EQUAL_INT(JP_MARKS_WATCH, mission.internal.marks);
     TEST_ASSERT_FALSE(is_marked(3.0f));
     TEST_ASSERT_EQUAL_INT(JP_MISSION_UNDER_WAY, jp_patrol_mission_work(&mission, 8));
@@ -711,7 +711,7 @@ static void test_a_scan_is_marked_in_slices(void)
 /* What of a scan is left when the next one comes is seen by that. */
 static void test_the_next_scan_is_marked_where_the_last_one_is_not(void)
 {
-    see_box(RIG_BEAMS / 10U, 8);
+    see_box(RIG_BEAMS / 6U, 8);
     is_blind = true;
     rig_sense();
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
@@ -721,7 +721,7 @@ static void test_the_next_scan_is_marked_where_the_last_one_is_not(void)
     rig_sense();
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
     TEST_ASSERT_EQUAL_INT(JP_MARKS_WATCH, mission.internal.marks);
-    (void)jp_patrol_mission_work(&mission, RIG_BEAMS + 10U);
+    (void)jp_patrol_mission_work(&mission, 2U * RIG_BEAMS);
     TEST_ASSERT_EQUAL_INT(JP_MARKS_NONE, mission.internal.marks);
     TEST_ASSERT_TRUE(is_marked(2.8f));
     TEST_ASSERT_FALSE(is_marked(3.1f));
@@ -1058,7 +1058,7 @@ static void test_a_new_goal_ends_the_search_around_people(void)
 {
     begin_among_people();
     stand_for_somebody(20.0f);
-    TEST_ASSERT_EQUAL_INT(JP_MISSION_PLANNING, jp_patrol_mission_work(&mission, 2U * RIG_BEAMS));
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_PLANNING, jp_patrol_mission_work(&mission, 4U * RIG_BEAMS));
     TEST_ASSERT_EQUAL_INT(JP_CELL_OCCUPIED, jp_terrain_cell(&mission.internal.marked, 42, 60));
     start(7.0f, 4.05f, 0.0f);
     TEST_ASSERT_EQUAL_INT(JP_CELL_UNKNOWN, jp_terrain_cell(&mission.internal.marked, 42, 60));
