@@ -17,8 +17,8 @@
  * has found itself gets one from there, over the map as it was given: marks were made elsewhere. One that has stood for
  * people for a while gets one around where they have walked lately, if that is longer by no more than it has waited.
  *
- * One call of jp_patrol_mission_cycle() in place of jp_patrol_cycle(), and in the time between them
- * jp_patrol_mission_work() while the state is PLANNING. Not for ISRs. Single-precision floating point: part of
+ * One call of jp_patrol_mission_cycle() in place of jp_patrol_cycle(), and in the time between them some of
+ * jp_patrol_mission_work(), which plans, and marks on the map what scans show. Not for ISRs. Single-precision floating point: part of
  * libjoulepath_float.
  */
 #ifndef JOULEPATH_PATROL_MISSION_H
@@ -58,6 +58,14 @@ enum jp_patrol_leg {
     JP_LEG_PAUSE     /* to a halt, to plan anew */
 };
 
+/** What the marks of a scan are made for. Private. */
+enum jp_patrol_marks {
+    JP_MARKS_NONE,
+    JP_MARKS_WATCH, /* to see whether the robot can turn at the goal */
+    JP_MARKS_PLAN,
+    JP_MARKS_DETOUR
+};
+
 /** Private. */
 struct jp_patrol_mission_internal {
     struct jp_plane_pose goal;
@@ -80,6 +88,10 @@ struct jp_patrol_mission_internal {
     float detour_clearance;     /**< of it from there, m */
     float detour_due;           /**< after so much standing for people, s */
     bool is_watch_due;
+    enum jp_patrol_marks marks; /**< being made */
+    struct jp_scan scan;        /**< of them; no ranges: there is nothing to mark */
+    struct jp_plane_pose scanner;
+    uint16_t beam; /**< the next */
 };
 
 /** The members but `internal` may be read. */
@@ -116,12 +128,14 @@ enum jp_status jp_patrol_mission_forget_marks(struct jp_patrol_mission *mission)
 /** Stops as fast as the wheels can and forgets the goal: IDLE. Constant time. */
 void jp_patrol_mission_stop(struct jp_patrol_mission *mission);
 
-/** Continues planning: for at most so many expansions (grid_planner.h), or for one smoothing of a path (path_spline.h)
- * or one search for a place to turn, which reads 36 times the cells under the robot for each of up to 21 places. */
+/** Continues planning, and marking what the last scan shows, whose ranges must stay until the next cycle: for at most so
+ * many expansions (grid_planner.h), of which the cells along a beam count as four, or for one smoothing of a path
+ * (path_spline.h) or one search for a place to turn, which reads 36 times the cells under the robot for each of up to 21
+ * places. */
 enum jp_patrol_mission_state jp_patrol_mission_work(struct jp_patrol_mission *mission, unsigned expansions);
 
-/** One cycle of the patrol, and the replanning that it requires. Failures are those of jp_patrol_cycle(). Every fifth
- *  cycle also marks the cells along all beams; one that finds a new place copies the map. */
+/** One cycle of the patrol; what replanning it requires is left to jp_patrol_mission_work(). Failures are those of
+ *  jp_patrol_cycle(). One that finds a new place also copies the map. */
 enum jp_status jp_patrol_mission_cycle(struct jp_patrol_mission *mission, const struct jp_patrol_input *input,
                                        struct jp_twist *twist);
 

@@ -26,7 +26,7 @@ extern "C" {
 
 /** Expansions of the planner in a call of jp_patrol_pilot_work(), and nodes of the localiser's search. */
 #define JP_PATROL_PILOT_EXPANSIONS 200U
-#define JP_PATROL_PILOT_NODES      2000U
+#define JP_PATROL_PILOT_NODES      500U
 
 /** Goals of a route. */
 #define JP_PATROL_PILOT_GOALS 32U

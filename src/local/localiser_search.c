@@ -26,6 +26,9 @@
 /* Likewise in a part of the map, where less may be mistaken for it. */
 #define SCORE_MIN_NEAR 0.45f
 
+/* A closer look at where a place may be is the work of so many nodes. */
+#define CLOSER 60U
+
 /* Places nearer to each other than this, m and rad, are one; a smallest node nearer to one leads to it. */
 #define APART      0.5f
 #define APART_TURN 0.35f
@@ -273,10 +276,12 @@ static bool push_top(struct jp_localiser_search *search, const struct jp_wall_fi
     return true;
 }
 
-static void look_at(struct jp_localiser_search *search, const struct jp_wall_field *field, const struct jp_terrain *map,
-                    float noise)
+/* How many nodes' work it took. */
+static unsigned look_at(struct jp_localiser_search *search, const struct jp_wall_field *field,
+                        const struct jp_terrain *map, float noise)
 {
     struct node_middle middle;
+    unsigned work = 1;
 
     search->node_count--;
 
@@ -288,10 +293,12 @@ static void look_at(struct jp_localiser_search *search, const struct jp_wall_fie
             push_children(search, &node);
         } else if (!is_known(search, &middle.pose)) {
             look_closer(search, field, map, &middle, noise);
+            work = CLOSER;
         } else {
             /* Its neighbour has led there. */
         }
     }
+    return work;
 }
 
 static bool is_whole_map(const struct jp_localiser_search *search)
@@ -323,12 +330,12 @@ unsigned jp_localiser_search_work(struct jp_localiser_search *search, const stru
 
     while (search->is_running && looked < nodes) {
         if (search->node_count > 0) {
-            look_at(search, field, map, noise);
+            looked += look_at(search, field, map, noise);
             search->is_running = !is_decided(search);
         } else {
             search->is_running = push_top(search, field, map) || begin_lesser(search);
+            looked++;
         }
-        looked++;
     }
     return looked;
 }

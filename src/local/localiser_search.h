@@ -15,7 +15,8 @@ enum jp_localiser_finding {
 void jp_localiser_search_begin(struct jp_localiser_search *search, const struct jp_localiser_cloud *cloud,
                                const struct jp_localiser_region *region);
 
-/** Looks at some nodes more, at most so many; their number, less when the search has ended. */
+/** Goes on by the work of so many nodes, or by one closer look more than that; returns how many, less when the search
+ * has ended. */
 unsigned jp_localiser_search_work(struct jp_localiser_search *search, const struct jp_wall_field *field,
                                   const struct jp_terrain *map, float noise, unsigned nodes);
 

@@ -250,20 +250,18 @@ static bool must_turn_first(const struct jp_patrol *patrol, const struct jp_patr
            jp_plane_magnitude(jp_plane_wrap(window->direction - patrol->pose.heading)) > patrol->config.turn_first;
 }
 
-/* Of the ways to a goal that is near: a step, which keeps the heading, or a turn, a straight way and what is to be
- * turned then. */
 static bool is_step_cheapest(const struct jp_patrol *patrol, const struct jp_patrol_window *window)
 {
-    const struct jp_patrol_config *const config = &patrol->config;
     const struct jp_patrol_goal *const goal = &patrol->internal.goal;
-    const float first = jp_plane_magnitude(jp_plane_wrap(window->direction - patrol->pose.heading));
-    const float then =
-        goal->is_heading_free ? 0.0f : jp_plane_magnitude(jp_plane_wrap(goal->pose.heading - window->direction));
-    const float away = goal_distance(patrol);
+    const struct jp_patrol_near_goal near = {
+        .away = goal_distance(patrol),
+        .first = jp_plane_magnitude(jp_plane_wrap(window->direction - patrol->pose.heading)),
+        .then =
+            goal->is_heading_free ? 0.0f : jp_plane_magnitude(jp_plane_wrap(goal->pose.heading - window->direction)),
+        .error = goal_heading_error(patrol)};
 
-    return config->strategy != (uint8_t)JP_PATROL_BY_COST ||
-           jp_patrol_step_price(config, first, away) + jp_patrol_turn_price(config, goal_heading_error(patrol)) <
-               jp_patrol_straight_price(config, first, away) + jp_patrol_turn_price(config, then);
+    return patrol->config.strategy != (uint8_t)JP_PATROL_BY_COST ||
+           jp_patrol_is_step_cheapest(&patrol->config, &near);
 }
 
 /* Of a robot that stands: with the heading that it has, or that of the goal, if that is free and takes least. */

@@ -5,9 +5,13 @@
 #include "src/base/plane.h"
 #include "src/local/patrol_glide.h"
 #include "src/local/patrol_path.h"
+#include "src/local/patrol_price.h"
 
 /* Shorter pieces of a path have no direction, m. */
 #define SHORT 0.005f
+
+/* A path that is longer than from its start to the goal by this is not straight. */
+#define STRAIGHT 1.01f
 
 /* The path this far ahead gives the direction to set off in, m. */
 #define AHEAD 0.5f
@@ -33,7 +37,11 @@ struct planned_leg {
     const struct jp_patrol_plan *plan;
     struct jp_four_wheel_drive drive;
     float duration;
+    float length; /* of the path, m */
+    float room;   /* of it, where it may glide into the goal, m */
     float speed;  /* now */
+    float askew;  /* angle of the wheels from straight on as it stands, all alike, rad */
+    bool has_turned; /* in place: they stand as for that */
     jp_q24 grade; /* of the piece that is driven */
 };
 
@@ -69,34 +77,47 @@ static void add(struct planned_leg *leg, float start, float end, float turn_rate
     }
 }
 
-/* All wheels by an angle, at a stand. */
-static void steer(struct planned_leg *leg, float angle)
+static void stand(struct planned_leg *leg, float seconds)
+{
+    add(leg, 0.0f, 0.0f, 0.0f, 0.0f, seconds);
+}
+
+/* The wheels at a stand: by an angle on the mean, and that which goes farthest. */
+static void steer(struct planned_leg *leg, float mean, float farthest)
 {
     const float rate = (float)leg->config->wheels.steering_step * TURN_PER_UNIT * (float)leg->plan->tick_rate;
 
-    add(leg, 0.0f, 0.0f, 0.0f, (float)JP_WHEELS * angle, angle / rate);
+    add(leg, 0.0f, 0.0f, 0.0f, (float)JP_WHEELS * mean, farthest / rate);
 }
 
-/* In place by an angle of 0 or more, at its mean rate. */
+/* To a way that is askew. For a turn in place half of the wheels stand to one side, half to the other. */
+static void steer_askew(struct planned_leg *leg, float askew)
+{
+    const float in_place = leg->has_turned ? jp_patrol_in_place(leg->config) : 0.0f;
+
+    steer(leg, jp_plane_larger(askew, in_place), askew + in_place);
+    leg->has_turned = false;
+}
+
+/* In place by an angle of 0 or more, at its mean rate: what is asked acts after the latency, and is seen to have come to
+ * its end a cycle later. */
 static void turn(struct planned_leg *leg, float angle)
 {
     const struct jp_patrol_config *const config = leg->config;
-    const float in_place = jp_plane_bearing((float)config->wheels.track, (float)config->wheels.wheelbase);
-    const float seconds = angle / config->turn_rate + config->turn_rate / config->turn_acceleration;
+    const float in_place = jp_patrol_in_place(config);
+    const float seconds = jp_patrol_turn_seconds(config, angle);
 
     if (angle > 0.0f) {
-        steer(leg, in_place);
+        steer(leg, jp_plane_larger(leg->askew, in_place), leg->askew + in_place);
         add(leg, 0.0f, 0.0f, angle / seconds, 0.0f, seconds);
-        steer(leg, in_place);
+        stand(leg, config->latency + config->period);
+        leg->has_turned = true;
     }
 }
 
-/* Part of a turn that is left when the robot glides. */
-static float in_place_part(const struct planned_leg *leg, float angle)
+static bool glides(const struct planned_leg *leg)
 {
-    const float part = leg->config->strategy == (uint8_t)JP_PATROL_BY_COST ? jp_patrol_askew_max(leg->config) : 0.0f;
-
-    return angle > part ? angle - part : 0.0f;
+    return leg->config->strategy == (uint8_t)JP_PATROL_BY_COST;
 }
 
 static struct jp_plane_point point_of(const struct jp_patrol_plan *plan, unsigned i)
@@ -116,19 +137,6 @@ static float direction_ahead(const struct jp_patrol_plan *plan)
     return jp_plane_bearing(point_of(plan, i).x - start.x, point_of(plan, i).y - start.y);
 }
 
-static void set_off(struct planned_leg *leg)
-{
-    const struct jp_patrol_plan *const plan = leg->plan;
-    const float off = jp_plane_magnitude(jp_plane_wrap(direction_ahead(plan) - plan->start.heading));
-
-    if (leg->config->turns_in_place && off > leg->config->turn_first) {
-        const float first = in_place_part(leg, off);
-
-        turn(leg, first);
-        steer(leg, leg->config->strategy == (uint8_t)JP_PATROL_BY_COST ? off - first : 0.0f);
-    }
-}
-
 static float path_length(const struct jp_patrol_plan *plan)
 {
     float length = 0.0f;
@@ -138,6 +146,20 @@ static float path_length(const struct jp_patrol_plan *plan)
                                   point_of(plan, i).y - point_of(plan, i - 1U).y);
     }
     return length;
+}
+
+static void set_off(struct planned_leg *leg)
+{
+    const struct jp_patrol_plan *const plan = leg->plan;
+    const float off = jp_plane_magnitude(jp_plane_wrap(direction_ahead(plan) - plan->start.heading));
+
+    if (leg->config->turns_in_place && off > leg->config->turn_first) {
+        const float part = glides(leg) ? jp_patrol_set_off_part(leg->config, off) : 0.0f;
+
+        turn(leg, jp_patrol_set_off_rest(leg->config, off, part));
+        steer_askew(leg, part);
+        leg->room -= jp_patrol_set_off_length(part);
+    }
 }
 
 /* Part of a piece in which the speed changes evenly. `bend`: its turn by the metre. */
@@ -198,20 +220,18 @@ static void drive_piece(struct planned_leg *leg, float length, float turned, flo
  * off, and creeps as long before it stops. */
 static void set_going(struct planned_leg *leg)
 {
-    add(leg, 0.0f, 0.0f, 0.0f, 0.0f, 2.0f * leg->config->latency + leg->config->period);
+    stand(leg, 2.0f * leg->config->latency + leg->config->period);
 }
 
 /* Direction of the path at its end. */
 static float drive(struct planned_leg *leg)
 {
     const struct jp_patrol_plan *const plan = leg->plan;
-    float left = path_length(plan);
+    float left = leg->length;
     float heading = direction_ahead(plan);
     struct jp_plane_point from = point_of(plan, 0);
 
-    if (left > SHORT) {
-        set_going(leg);
-    }
+    set_going(leg);
     for (uint16_t i = 1; i < plan->path_count; i++) {
         const struct jp_plane_point to = point_of(plan, i);
         const float length = jp_plane_length(to.x - from.x, to.y - from.y);
@@ -230,14 +250,17 @@ static float drive(struct planned_leg *leg)
     return heading;
 }
 
-static void turn_to_goal(struct planned_leg *leg, float heading)
+/* From a heading at the goal, with the wheels askew. */
+static void turn_to_goal(struct planned_leg *leg, float heading, bool glides_in)
 {
     const struct jp_patrol_goal *const goal = &leg->plan->goal;
 
     if (!goal->is_heading_free && leg->config->turns_in_place) {
         const float off = jp_plane_magnitude(jp_plane_wrap(goal->pose.heading - heading));
+        const float glided = glides_in ? jp_patrol_glide_in_part(leg->config, off, leg->room) : 0.0f;
 
-        turn(leg, off > leg->config->heading_tolerance ? in_place_part(leg, off) : 0.0f);
+        leg->askew += glided;
+        turn(leg, off - glided > leg->config->heading_tolerance ? off - glided : 0.0f);
     }
 }
 
@@ -252,10 +275,57 @@ static void drive_in(struct planned_leg *leg)
         const struct jp_plane_point goal = {plan->goal.pose.x, plan->goal.pose.y};
 
         leg->speed = 0.0f;
+        steer_askew(leg, 0.0f);
         set_going(leg);
         leg->grade = grade_between(leg, end, goal, away);
         drive_piece(leg, away, 0.0f, 0.0f);
     }
+}
+
+/* Whether the robot steps to its goal, with the heading that it has: straight on, as the path is. */
+static bool steps(const struct planned_leg *leg, struct jp_patrol_near_goal *way)
+{
+    const struct jp_patrol_plan *const plan = leg->plan;
+    const struct jp_plane_point start = point_of(plan, 0);
+    const struct jp_plane_point end = point_of(plan, plan->path_count - 1U);
+    const float direction = direction_ahead(plan);
+    const float then = jp_plane_magnitude(jp_plane_wrap(plan->goal.pose.heading - direction));
+    const float error = jp_plane_magnitude(jp_plane_wrap(plan->goal.pose.heading - plan->start.heading));
+
+    *way = (struct jp_patrol_near_goal){
+        .away = jp_plane_length(plan->goal.pose.x - start.x, plan->goal.pose.y - start.y),
+        .first = jp_plane_magnitude(jp_plane_wrap(direction - plan->start.heading)),
+        .then = plan->goal.is_heading_free ? 0.0f : then,
+        .error = plan->goal.is_heading_free ? 0.0f : error};
+    return glides(leg) && leg->config->turns_in_place && way->first > leg->config->turn_first &&
+           jp_plane_length(plan->goal.pose.x - end.x, plan->goal.pose.y - end.y) < leg->config->position_tolerance &&
+           leg->length < STRAIGHT * way->away && jp_patrol_is_step_cheapest(leg->config, way);
+}
+
+/* A wheel that points backwards rolls backwards. */
+static void step(struct planned_leg *leg, const struct jp_patrol_near_goal *way)
+{
+    const float speed = leg->config->step_speed;
+
+    leg->askew = smaller(way->first, JP_PLANE_PI - way->first);
+    steer_askew(leg, leg->askew);
+    set_going(leg);
+    drive_part(leg, speed, speed, leg->length, 0.0f);
+    turn_to_goal(leg, leg->plan->start.heading, false);
+}
+
+/* Whoever stands at the end of the path has only to turn. */
+static void stay(struct planned_leg *leg)
+{
+    turn_to_goal(leg, leg->plan->start.heading, false);
+    drive_in(leg);
+}
+
+static void set_off_and_drive(struct planned_leg *leg)
+{
+    set_off(leg);
+    turn_to_goal(leg, drive(leg), glides(leg));
+    drive_in(leg);
 }
 
 enum jp_status jp_patrol_plan_energy(const struct jp_patrol_config *config,
@@ -266,11 +336,19 @@ enum jp_status jp_patrol_plan_energy(const struct jp_patrol_config *config,
         plan->path == NULL || plan->path_count < 2U || plan->tick_rate == 0U) {
         return JP_ERR_ARGUMENT;
     }
-    struct planned_leg leg = {.config = config, .model = model, .plan = plan, .drive = *drive_sum};
+    struct planned_leg leg = {
+        .config = config, .model = model, .plan = plan, .drive = *drive_sum, .length = path_length(plan)};
+    struct jp_patrol_near_goal way;
 
-    set_off(&leg);
-    turn_to_goal(&leg, drive(&leg));
-    drive_in(&leg);
+    leg.room = leg.length;
+
+    if (leg.length < config->position_tolerance) {
+        stay(&leg);
+    } else if (steps(&leg, &way)) {
+        step(&leg, &way);
+    } else {
+        set_off_and_drive(&leg);
+    }
     *drive_sum = leg.drive;
     *duration += leg.duration;
     return JP_OK;

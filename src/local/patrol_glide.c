@@ -155,11 +155,12 @@ static unsigned free_steps(const struct jp_patrol *patrol, struct glide glide, u
         const float step = smaller(STEP_LENGTH, goal_distance(patrol, &glide.pose));
         const struct jp_plane_point way = jp_plane_direction(direction);
 
-        if (jp_plane_magnitude(askew) > askew_limit(&patrol->config)) {
-            return glide.is_begun ? steps : i - 1U;
-        }
+        /* At the goal there is no direction to it. */
         if (step < 0.5f * STEP_LENGTH || (!glide.is_to_goal && jp_plane_magnitude(askew) < ALONG)) {
             return steps;
+        }
+        if (jp_plane_magnitude(askew) > askew_limit(&patrol->config)) {
+            return glide.is_begun ? steps : i - 1U;
         }
         glide.pose.heading += turn_of(patrol, &glide, askew, step);
         glide.pose.x += step * way.x;
@@ -229,9 +230,9 @@ static void begin(struct jp_patrol *patrol, const struct glide *glide, bool is_s
 /* ---- Choice ---- */
 
 /* The part of an angle that a glide can take, with its sign. */
-static float askew_part(const struct jp_patrol *patrol, float angle)
+static float askew_part(const struct jp_patrol_config *config, float angle)
 {
-    const float most = jp_patrol_askew_max(&patrol->config);
+    const float most = jp_patrol_askew_max(config);
 
     return jp_plane_clamp(angle, -most, most);
 }
@@ -267,7 +268,7 @@ static bool leads_in(const struct jp_patrol *patrol, const struct jp_patrol_wind
     const struct jp_patrol_goal *const goal = &patrol->internal.goal;
     const float away = goal_distance(patrol, &glide->pose);
     const float whole = jp_plane_wrap(goal->pose.heading - direction);
-    const float turned = askew_part(patrol, whole);
+    const float turned = askew_part(config, whole);
     const bool is_whole = jp_plane_magnitude(whole - turned) < config->heading_tolerance;
     const float turn = jp_plane_wrap(direction + turned - glide->pose.heading);
     const float seconds = time_to_stop(patrol, speed, away);
@@ -280,43 +281,52 @@ static bool leads_in(const struct jp_patrol *patrol, const struct jp_patrol_wind
     return glide->is_to_goal;
 }
 
-/* What is left of an angle to turn in place, when a glide takes a part of it. */
-static float first_turn(const struct jp_patrol_config *config, float angle, float part)
+float jp_patrol_set_off_rest(const struct jp_patrol_config *config, float angle, float part)
 {
     const float rest = jp_plane_magnitude(angle - part);
 
-    return rest < config->heading_tolerance ? 0.0f : rest;
+    return rest < jp_plane_larger(config->heading_tolerance, JP_PATROL_ROUGHLY) ? 0.0f : rest;
 }
 
 static float set_off_price(const struct jp_patrol_config *config, float angle, float part)
 {
-    const float first = first_turn(config, angle, part);
+    const float first = jp_patrol_set_off_rest(config, angle, part);
 
     return jp_patrol_turn_price(config, first) +
            jp_patrol_steering_price(config, jp_plane_magnitude(part), first > 0.0f);
 }
 
-/* The part of an angle that a glide takes at least cost: all that it can, or as much as the wheels stand askew after a
- * turn in place. */
-static float cheapest_part(const struct jp_patrol *patrol, float angle)
+/* All that it can, or as much as the wheels stand askew after a turn in place. */
+float jp_patrol_set_off_part(const struct jp_patrol_config *config, float angle)
 {
-    const struct jp_patrol_config *const config = &patrol->config;
     const float in_place = jp_patrol_in_place(config);
-    const float most = askew_part(patrol, angle);
+    const float most = askew_part(config, angle);
     const float alike = jp_plane_clamp(most, -in_place, in_place);
+    const float part = set_off_price(config, angle, alike) < set_off_price(config, angle, most) ? alike : most;
 
-    return set_off_price(config, angle, alike) < set_off_price(config, angle, most) ? alike : most;
+    return set_off_price(config, angle, part) < set_off_price(config, angle, 0.0f) ? part : 0.0f;
+}
+
+float jp_patrol_set_off_length(float part)
+{
+    return IN_PER_RADIAN * jp_plane_magnitude(part);
+}
+
+float jp_patrol_glide_in_part(const struct jp_patrol_config *config, float angle, float length)
+{
+    const float most = smaller(jp_patrol_askew_max(config), larger(length, 0.0f) / IN_PER_RADIAN_LEAST);
+
+    return jp_plane_clamp(angle, -most, most);
 }
 
 bool jp_patrol_set_off(struct jp_patrol *patrol, const struct jp_patrol_window *window)
 {
     const struct jp_patrol_config *const config = &patrol->config;
     const float askew = jp_plane_wrap(window->direction - patrol->pose.heading);
-    const float part = cheapest_part(patrol, askew);
+    const float part = jp_patrol_set_off_part(config, askew);
     struct glide glide = glide_from(patrol, &patrol->pose);
 
-    if (config->strategy != (uint8_t)JP_PATROL_BY_COST ||
-        set_off_price(config, askew, part) >= set_off_price(config, askew, 0.0f)) {
+    if (config->strategy != (uint8_t)JP_PATROL_BY_COST || !(jp_plane_magnitude(part) > 0.0f)) {
         return false;
     }
     glide.pose.heading = jp_plane_wrap(window->direction - part);
@@ -324,7 +334,7 @@ bool jp_patrol_set_off(struct jp_patrol *patrol, const struct jp_patrol_window *
     if (!is_free(patrol, &glide)) {
         return false;
     }
-    if (first_turn(config, askew, part) > 0.0f) {
+    if (jp_patrol_set_off_rest(config, askew, part) > 0.0f) {
         jp_patrol_turn_to(patrol, glide.pose.heading);
     } else {
         glide.pose.heading = patrol->pose.heading;
@@ -400,17 +410,32 @@ bool jp_patrol_can_glide_in(const struct jp_patrol *patrol)
 
 /* ---- A cycle ---- */
 
+/* As the robot turns on its way its outer wheels go faster than it does, and slow down faster: above 0, m/s². */
+static float gentle_braking(const struct jp_patrol *patrol, float speed, float turn_rate)
+{
+    const struct jp_patrol_config *const config = &patrol->config;
+
+    return config->teb.acceleration / config->people.braking * jp_patrol_braking(config, speed, turn_rate);
+}
+
+/* The turn that is left may go on as it does now, or must be faster. */
+static float stopping_speed(const struct jp_patrol *patrol, float now, float away, float turn)
+{
+    const float by_now = gentle_braking(patrol, larger(now, SET_OFF_SPEED), patrol->internal.command.turn_rate);
+    const float by_way = gentle_braking(patrol, away, turn);
+
+    return jp_patrol_stopping_speed(&patrol->config, smaller(by_now, by_way), away);
+}
+
 /* Fastest now, so that the robot can stop at the goal, and come to it turned. */
 static float speed_of(const struct jp_patrol *patrol, float now, float away, float remaining)
 {
     const struct jp_patrol_config *const config = &patrol->config;
+    const float turn = patrol->internal.is_gliding_to_goal ? jp_plane_magnitude(remaining) : 0.0f;
     const float rising = now + config->teb.acceleration * config->period;
-    const float stopping = jp_patrol_stopping_speed(config, config->teb.acceleration, away);
-    const float turning = patrol->internal.is_gliding_to_goal && jp_plane_magnitude(remaining) > ALONG
-                              ? config->turn_rate * away / jp_plane_magnitude(remaining)
-                              : config->teb.speed_max;
+    const float turning = turn > ALONG ? config->turn_rate * away / turn : config->teb.speed_max;
 
-    return smaller(smaller(rising, stopping), smaller(config->teb.speed_max, turning));
+    return smaller(smaller(rising, stopping_speed(patrol, now, away, turn)), smaller(config->teb.speed_max, turning));
 }
 
 /* Where the robot will be when the wheels do what is asked of them now. */
@@ -540,7 +565,7 @@ static struct chassis_motion motion_at(const struct jp_patrol *patrol, const str
     const float askew = jp_plane_wrap(direction - glide->pose.heading);
     const float away = goal_distance(patrol, &glide->pose);
     const float remaining = glide->is_to_goal ? jp_plane_wrap(glide->heading - glide->pose.heading) : askew;
-    const float early = EARLIER * jp_plane_magnitude(remaining) * speed / larger(away, STEP_LENGTH);
+    const float early = EARLIER * jp_plane_magnitude(remaining) * speed / larger(away, patrol->config.position_tolerance);
     const float stopping =
         jp_patrol_stopping_speed(&patrol->config, patrol->config.turn_acceleration, jp_plane_magnitude(remaining));
     const float due = glide->is_to_goal ? smaller(early, stopping) : stopping;
@@ -591,7 +616,7 @@ static bool move(struct jp_patrol *patrol, const struct glide *glide, float dire
  * would have to be steered round on the way. */
 static void set_off_along(struct jp_patrol *patrol, float askew)
 {
-    const float part = askew_part(patrol, askew);
+    const float part = askew_part(&patrol->config, askew);
 
     patrol->internal.command = (struct jp_plane_speed){SET_OFF_SPEED * jp_plane_cosine(part), 0.0f};
     patrol->internal.sideways = SET_OFF_SPEED * jp_plane_sine(part);

@@ -14,6 +14,21 @@ bool jp_patrol_glide_in(struct jp_patrol *patrol, const struct jp_patrol_window 
 /** Largest angle between heading and way at which a glide begins or ends, rad. */
 float jp_patrol_askew_max(const struct jp_patrol_config *config);
 
+/** The part of an angle, with its sign, that a robot which sets off glides, where that costs less than to turn in place
+ * all the way; 0 where it does not. */
+float jp_patrol_set_off_part(const struct jp_patrol_config *config, float angle);
+
+/** What is left of an angle to turn in place before, when such a glide takes a part of it: 0 or more, rad; what a turn
+ * to the way may be off by is not. */
+float jp_patrol_set_off_rest(const struct jp_patrol_config *config, float angle, float part);
+
+/** The way, m, on which it glides such a part. */
+float jp_patrol_set_off_length(float part);
+
+/** The part of an angle, with its sign, that a robot glides into a goal at the end of a way of a length, m; none below
+ * 0. */
+float jp_patrol_glide_in_part(const struct jp_patrol_config *config, float angle, float length);
+
 /** Whether, by what scans have shown, such a glide from the path's end leads to the goal's heading. */
 bool jp_patrol_can_glide_in(const struct jp_patrol *patrol);
 

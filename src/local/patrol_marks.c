@@ -104,16 +104,23 @@ static void mark_end(const struct jp_terrain *given, struct jp_terrain *marked, 
     }
 }
 
-void jp_patrol_mark(const struct jp_terrain *given, struct jp_terrain *marked, const struct jp_scan *scan,
-                    const struct jp_plane_pose *scanner, float tolerance)
+void jp_patrol_clear_ways(const struct jp_terrain *given, struct jp_terrain *marked, const struct jp_scan *scan,
+                          const struct jp_plane_pose *scanner, uint16_t first, uint16_t end)
 {
     struct beam beam;
 
-    for (uint16_t i = 0; i < scan->count; i++) {
+    for (uint16_t i = first; i < end; i++) {
         if (find_beam(scan, scanner, i, &beam)) {
             clear_along(given, marked, &beam);
         }
     }
+}
+
+void jp_patrol_mark_ends(const struct jp_terrain *given, struct jp_terrain *marked, const struct jp_scan *scan,
+                         const struct jp_plane_pose *scanner, float tolerance)
+{
+    struct beam beam;
+
     for (uint16_t i = 0; i < scan->count; i++) {
         if (find_beam(scan, scanner, i, &beam)) {
             mark_end(given, marked, &beam, tolerance);

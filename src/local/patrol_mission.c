@@ -32,6 +32,9 @@
 #define WATCH_DISTANCE 0.5f
 #define WATCH_CYCLES   5U
 
+/* Of a beam, expansions. */
+#define BEAM_WORK 4U
+
 /* A new path is looked for after so many blocked cycles, at most so often before the robot has got on by its horizon.
  */
 #define REPLAN_WAIT   8U
@@ -456,6 +459,7 @@ static void end_detour(struct jp_patrol_mission *mission)
 
 static void plan(struct jp_patrol_mission *mission)
 {
+    mission->internal.marks = JP_MARKS_NONE;
     end_detour(mission);
     mission->internal.leg = JP_LEG_GOAL;
     seek(mission, &mission->internal.goal);
@@ -559,18 +563,6 @@ static void end_search(struct jp_patrol_mission *mission, enum finding finding)
     }
 }
 
-enum jp_patrol_mission_state jp_patrol_mission_work(struct jp_patrol_mission *mission, unsigned expansions)
-{
-    if (mission->state == JP_MISSION_PLANNING) {
-        const enum finding finding = find(mission, expansions);
-
-        if (finding != PENDING) {
-            end_search(mission, finding);
-        }
-    }
-    return mission->state;
-}
-
 enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const struct jp_plane_pose *goal)
 {
     if (mission == NULL || goal == NULL || !jp_plane_is_pose(goal)) {
@@ -592,27 +584,67 @@ enum jp_status jp_patrol_mission_start(struct jp_patrol_mission *mission, const 
 void jp_patrol_mission_stop(struct jp_patrol_mission *mission)
 {
     jp_patrol_hold(&mission->patrol);
+    mission->internal.marks = JP_MARKS_NONE;
     mission->state = JP_MISSION_IDLE;
 }
 
 /* ---- A cycle ---- */
 
-static void mark(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
+static void take_scan(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
 {
-    if (input->scan.ranges != NULL && !input->is_lost) {
-        const struct jp_plane_pose scanner = jp_plane_compose(&mission->patrol.pose, &input->sensor);
+    mission->internal.scan = input->scan;
+    mission->internal.scanner = jp_plane_compose(&mission->patrol.pose, &input->sensor);
+}
 
-        jp_patrol_mark(mission->config.map, &mission->internal.marked, &input->scan, &scanner,
-                       mission->config.patrol.scan.tolerance);
+/* Marks what the scan shows, if there is one, and then goes on with what it is for. A map must not change while a path is
+ * looked for. */
+static void begin_marks(struct jp_patrol_mission *mission, const struct jp_patrol_input *input,
+                        enum jp_patrol_marks marks)
+{
+    take_scan(mission, input);
+    mission->internal.scan.ranges = input->is_lost ? NULL : input->scan.ranges;
+    mission->internal.marks = marks;
+    mission->internal.beam = 0;
+    if (marks != JP_MARKS_WATCH) {
+        mission->state = JP_MISSION_PLANNING;
     }
 }
 
+/* The rest is seen by a scan that comes meanwhile, from where the robot is by then. */
+static void go_on_with_marks(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
+{
+    if (input->scan.ranges != NULL && !input->is_lost) {
+        take_scan(mission, input);
+    }
+}
+
+/* Of some beams; true: of all. */
+static bool make_marks(struct jp_patrol_mission *mission, unsigned expansions)
+{
+    const struct jp_scan *const scan = &mission->internal.scan;
+    const unsigned left = (unsigned)scan->count - mission->internal.beam;
+    const unsigned beams = expansions / BEAM_WORK + 1U;
+    const uint16_t end = (uint16_t)(mission->internal.beam + (beams < left ? beams : left));
+
+    if (scan->ranges == NULL) {
+        return true;
+    }
+    jp_patrol_clear_ways(mission->config.map, &mission->internal.marked, scan, &mission->internal.scanner,
+                         mission->internal.beam, end);
+    mission->internal.beam = end;
+    if (end < scan->count) {
+        return false;
+    }
+    jp_patrol_mark_ends(mission->config.map, &mission->internal.marked, scan, &mission->internal.scanner,
+                        mission->config.patrol.scan.tolerance);
+    return true;
+}
+
 /* Stops for another approach when the laser shows that there is no room to turn at the goal. */
-static void watch_goal(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
+static void watch_goal(struct jp_patrol_mission *mission)
 {
     struct jp_plane_pose approach;
 
-    mark(mission, input);
     if (mission->patrol.state == JP_PATROL_DRIVING && mission->internal.leg == JP_LEG_GOAL &&
         distance_to(mission, &mission->internal.goal) > WATCH_DISTANCE && !ends_along(mission) &&
         !jp_patrol_can_glide_in(&mission->patrol) && choose_approach(mission, &approach)) {
@@ -624,6 +656,44 @@ static void watch_goal(struct jp_patrol_mission *mission, const struct jp_patrol
             mission->internal.leg = JP_LEG_PAUSE;
         }
     }
+}
+
+static void end_marks(struct jp_patrol_mission *mission)
+{
+    const enum jp_patrol_marks marks = mission->internal.marks;
+
+    mission->internal.marks = JP_MARKS_NONE;
+    switch (marks) {
+    case JP_MARKS_PLAN:
+        plan(mission);
+        break;
+    case JP_MARKS_DETOUR:
+        seek_detour(mission, mission->config.patrol.people.clearance);
+        break;
+    case JP_MARKS_WATCH:
+    case JP_MARKS_NONE:
+    default:
+        watch_goal(mission);
+        break;
+    }
+}
+
+enum jp_patrol_mission_state jp_patrol_mission_work(struct jp_patrol_mission *mission, unsigned expansions)
+{
+    if (mission->internal.marks != JP_MARKS_NONE) {
+        if (make_marks(mission, expansions)) {
+            end_marks(mission);
+        }
+    } else if (mission->state == JP_MISSION_PLANNING) {
+        const enum finding finding = find(mission, expansions);
+
+        if (finding != PENDING) {
+            end_search(mission, finding);
+        }
+    } else {
+        /* There is nothing to do. */
+    }
+    return mission->state;
 }
 
 static void count_try(struct jp_patrol_mission *mission)
@@ -651,8 +721,7 @@ static void wait(struct jp_patrol_mission *mission, const struct jp_patrol_input
         mission->replans++;
         count_try(mission);
         forget_what_closes(mission);
-        mark(mission, input);
-        plan(mission);
+        begin_marks(mission, input, JP_MARKS_PLAN);
     }
 }
 
@@ -686,8 +755,7 @@ static void follow_up(struct jp_patrol_mission *mission, const struct jp_patrol_
     } else if (needs_path(mission)) {
         wait(mission, input);
     } else if (is_detour_due(mission)) {
-        mark(mission, input);
-        seek_detour(mission, mission->config.patrol.people.clearance);
+        begin_marks(mission, input, JP_MARKS_DETOUR);
     } else {
         mission->internal.waited = 0;
     }
@@ -721,13 +789,13 @@ enum jp_status jp_patrol_mission_cycle(struct jp_patrol_mission *mission, const 
     }
     mission->internal.is_watch_due =
         mission->internal.is_watch_due || mission->patrol.counts.cycles % WATCH_CYCLES == 0U;
+    go_on_with_marks(mission, input);
     if (mission->state != JP_MISSION_PLANNING) {
         follow_up(mission, input);
     }
-    /* A map must not change while a path is looked for. */
     if (mission->state != JP_MISSION_PLANNING) {
-        if (mission->internal.is_watch_due) {
-            watch_goal(mission, input);
+        if (mission->internal.is_watch_due && mission->internal.marks == JP_MARKS_NONE) {
+            begin_marks(mission, input, JP_MARKS_WATCH);
             mission->internal.is_watch_due = false;
         }
         mission->state = state_of(mission);

@@ -59,3 +59,9 @@ float jp_patrol_step_price(const struct jp_patrol_config *config, float directio
     return jp_patrol_steering_price(config, direction < back ? direction : back, false) +
            length / config->step_speed * config->price.second;
 }
+
+bool jp_patrol_is_step_cheapest(const struct jp_patrol_config *config, const struct jp_patrol_near_goal *goal)
+{
+    return jp_patrol_step_price(config, goal->first, goal->away) + jp_patrol_turn_price(config, goal->error) <
+           jp_patrol_straight_price(config, goal->first, goal->away) + jp_patrol_turn_price(config, goal->then);
+}

@@ -23,4 +23,15 @@ float jp_patrol_straight_price(const struct jp_patrol_config *config, float angl
 /** A step of a length, m, in a direction from the heading. */
 float jp_patrol_step_price(const struct jp_patrol_config *config, float direction, float length);
 
+/** A goal that is straight ahead of nothing but floor: angles as above. */
+struct jp_patrol_near_goal {
+    float away;  /**< m */
+    float first; /**< from the heading to the way */
+    float then;  /**< from the way to the goal's heading; 0: any will do */
+    float error; /**< from the heading to the goal's; 0: any will do */
+};
+
+/** Of the ways there: a step, which keeps the heading, or a turn, a straight way and what is to be turned then. */
+bool jp_patrol_is_step_cheapest(const struct jp_patrol_config *config, const struct jp_patrol_near_goal *goal);
+
 #endif

@@ -13,9 +13,6 @@
 #define TURN_FORESIGHT 0.25f
 #define TURN_MARGIN    0.05f /* rad */
 
-/* After a turn to its way the robot drives on, and may be off by so much, rad. */
-#define ROUGHLY 0.07f
-
 /* Clearances that are tried for a turn, from the one that is wanted to the least. */
 #define TURN_TRIES 5U
 
@@ -279,7 +276,7 @@ void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed
     const float remaining = update_turn(patrol);
     const float angle = jp_plane_magnitude(remaining);
     const float exactly = 0.5f * config->heading_tolerance;
-    const bool is_there = angle < (patrol->internal.is_arriving ? exactly : jp_plane_larger(exactly, ROUGHLY));
+    const bool is_there = angle < (patrol->internal.is_arriving ? exactly : jp_plane_larger(exactly, JP_PATROL_ROUGHLY));
 
     if (is_there && jp_plane_magnitude(speed->turn_rate) < STANDSTILL_TURN_RATE) {
         end_turn(patrol);

@@ -4,6 +4,9 @@
 
 #include <joulepath/patrol.h>
 
+/** After a turn to its way the robot drives on, and may be off by so much, rad. */
+#define JP_PATROL_ROUGHLY 0.07f
+
 /** Of a robot that moves: while it brakes it keeps its curve, and its centre slows down less than the outermost wheel,
  *  m/s². */
 float jp_patrol_braking(const struct jp_patrol_config *config, float speed, float turn_rate);

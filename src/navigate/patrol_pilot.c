@@ -448,6 +448,14 @@ static float metres_per_second(jp_q24 speed)
     return (float)speed / (float)JP_Q24_ONE;
 }
 
+/** On the robot as it stands now: where the scanner was when it began the scan. */
+static struct jp_plane_pose scanner_of(const struct jp_patrol_pilot *pilot, const struct jp_plane_pose *wheels)
+{
+    const struct jp_plane_pose before = jp_plane_relative(wheels, &pilot->internal.wheels);
+
+    return jp_plane_compose(&before, &pilot->internal.config.scanner->place);
+}
+
 static struct jp_patrol_input input_of(const struct jp_patrol_pilot *pilot,
                                        const struct jp_four_wheel_telemetry *telemetry)
 {
@@ -464,7 +472,7 @@ static struct jp_patrol_input input_of(const struct jp_patrol_pilot *pilot,
     };
 
     if (input.scan.ranges != NULL) {
-        input.wheels = pilot->internal.wheels;
+        input.sensor = scanner_of(pilot, &input.wheels);
     }
     return input;
 }
@@ -506,6 +514,15 @@ static void survey(struct jp_patrol_pilot *pilot)
     end_survey(pilot, status);
 }
 
+/** Whether there was something to search for. */
+static bool search(struct jp_patrol_pilot *pilot)
+{
+    const uint32_t before = pilot->localiser.counts.nodes;
+
+    (void)jp_localiser_work(&pilot->localiser, JP_PATROL_PILOT_NODES);
+    return pilot->localiser.counts.nodes != before;
+}
+
 void jp_patrol_pilot_work(struct jp_patrol_pilot *pilot)
 {
     struct jp_four_wheel_telemetry telemetry;
@@ -527,9 +544,11 @@ void jp_patrol_pilot_work(struct jp_patrol_pilot *pilot)
     }
     if (is_due(pilot, &telemetry)) {
         cycle(pilot, &telemetry);
+    } else if (!search(pilot)) {
+        (void)jp_patrol_mission_work(&pilot->mission, JP_PATROL_PILOT_EXPANSIONS);
+    } else {
+        /* While it is lost no way leads from where it believes to be. */
     }
-    (void)jp_localiser_work(&pilot->localiser, JP_PATROL_PILOT_NODES);
-    (void)jp_patrol_mission_work(&pilot->mission, JP_PATROL_PILOT_EXPANSIONS);
     note_plan(pilot);
     note_end(pilot);
 }

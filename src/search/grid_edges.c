@@ -6,6 +6,7 @@ enum {
     STEEPEST = 64512,  /* greatest slope of the cost-to-go, in that of a way on level ground, Q16 */
     MARGIN = 1024,     /* least distance of a point within an edge from the edge's nodes, cells, Q16 */
     SIDES = 4,         /* of a square of four nodes */
+    PLACE_WORK = 8,    /* of a place of the descent, for which up to sixteen edges are interpolated, expansions */
 };
 
 /* ---- Tube ---- */
@@ -341,8 +342,10 @@ static struct successor next_place(const struct jp_grid_planner_internal *planne
 
 enum jp_grid_progress jp_grid_edges_descend(struct jp_grid_planner_internal *planner, unsigned *budget)
 {
+    const unsigned work = (unsigned)PLACE_WORK;
+
     while (*budget > 0U) {
-        --*budget;
+        *budget -= *budget < work ? *budget : work;
         if (!jp_grid_path_add(planner, &planner->candidate, point_of(planner, &planner->place), true)) {
             return GRID_FULL;
         }

@@ -31,6 +31,25 @@ def test_it_arrives_and_touches_nothing(scene, tmp_path):
     assert 0 < summary["forecast_j"] and 0 < summary["deviation_j"]
 
 
+# In a hall with nothing in the way: round corners, across, back, on the spot, and a step to a goal beside it.
+HALL_TASKS = [("2,2,0", "5,3.5,90"), ("1.5,2.4,314", "6.3,1.5,151"), ("3.3,4.2,313", "7,3.4,67"), ("5.8,2,110", "3.8,3.9,247"),
+              ("4,3,0", "4,3,135"), ("2.5,4.3,118", "3.1,3.2,94")]
+
+
+@pytest.mark.parametrize("start, goal", HALL_TASKS)
+def test_an_undisturbed_drive_takes_what_was_foretold(start, goal, tmp_path):
+    wall, floor = "#" * 160, "#" + "." * 158 + "#"
+    (tmp_path / "hall.json").write_text(json.dumps({
+        "format": "joulepath-map-1", "name": "hall", "width": 160, "height": 120, "resolution_m": 0.05,
+        "origin_m": [0.0, 0.0, 0.0], "rows": [wall, *[floor] * 118, wall]}))
+    result = run("jp-patrol", f"--map={tmp_path / 'hall.json'}", f"--start={start}", f"--goal={goal}", "--bus=in-process",
+                 "--output", tmp_path / "out")
+    assert (result.returncode, result.stderr) == (0, "")
+    summary = json.loads((tmp_path / "out/summary.json").read_text())
+    # It steers about its path for the noise of its place, some per cent, and a turn that ends a little off is another one.
+    assert summary["metered_j"] == pytest.approx(summary["forecast_j"], rel=0.15)
+
+
 def test_equal_drives_send_equal_frames(tmp_path):
     for name in ("a", "b"):
         assert drive("l-passage", tmp_path / name).returncode == 0

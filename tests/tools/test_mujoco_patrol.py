@@ -209,7 +209,9 @@ def test_the_controllers_program_drives_to_its_goal(tmp_path):
     told = json.loads((tmp_path / "out" / "result.json").read_text())
     assert told["arrived"] and told["goal_error_m"] < 0.05 + CELL and told["goal_error_deg"] < 2.5
     # Of so short a drive a step into the goal, which one world may need and the other not, is a fifth.
-    assert told["metered_j"] == pytest.approx(metered_in_our_world(tmp_path / "ours", *task), rel=0.25)
+    # Between setting off along a curve and askew the band's limit decides, which a hair's breadth of heading passes; and
+    # servos that lag brake longer: 40 J of 200 at most.
+    assert told["metered_j"] == pytest.approx(metered_in_our_world(tmp_path / "ours", *task), rel=0.2)
     assert (tmp_path / "out" / "map.png").read_bytes().startswith(b"\x89PNG")
 
 

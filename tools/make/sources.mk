@@ -19,7 +19,7 @@ BENCHES        := $(filter-out bench_cuts bench_goals bench_joules bench_localis
 # What needs more memory than a microcontroller has runs where a board adds it.
 LARGE_BENCHES  := target_return_map
 TARGET_BENCHES := $(filter-out $(LARGE_BENCHES),$(patsubst tests/bench/%.c,%,$(wildcard tests/bench/target_*.c)))
-FLOAT_BENCHES  := $(filter target_localiser target_optimiser target_teb,$(TARGET_BENCHES))
+FLOAT_BENCHES  := $(filter target_localiser target_optimiser target_patrol_pilot target_teb,$(TARGET_BENCHES))
 
 # lcm-gen makes them from sim/lcm/.
 LCM_TYPES      := $(patsubst sim/lcm/%.lcm,%,$(wildcard sim/lcm/*.lcm))

@@ -2,6 +2,8 @@
 #include <joulepath/patrol_forecast.h>
 #include <stddef.h>
 
+#include "src/local/patrol_glide.h"
+#include "src/local/patrol_price.h"
 #include "tests/support/patrol_rig.h"
 
 /* 25 W standing, 100 W a wheel's metre a second of 1000 N; steering 1 J/rad. */
@@ -54,6 +56,12 @@ static struct jp_patrol_plan plan_to(float x, float y, float heading, bool is_he
 static float delays(void)
 {
     return 2.0f * config.latency + config.period;
+}
+
+/* A turn is asked for and seen to have ended. */
+static float turn_delay(void)
+{
+    return config.latency + config.period;
 }
 
 /* Beside the delays, in which it stands. */
@@ -141,7 +149,7 @@ static void test_turning_first(void)
 {
     const struct jp_patrol_plan plan = plan_to(-4.0f, 0.0f, 0.0f, true);
     const float steering = 2.0f * 0.8491f;
-    const float seconds = 3.1416f + 0.667f + steering / 3.4907f;
+    const float seconds = 3.1416f + 0.667f + steering / 3.4907f + turn_delay();
 
     expect_leg(&plan, 6.0f + seconds, 190.0f + seconds * 25.0f + 4.0f * steering + 3.1416f * 0.333f * 10.0f);
 }
@@ -209,6 +217,18 @@ static void test_a_path_of_two_points(void)
     expect_leg(&plan, 2.0f, 55.0f);
 }
 
+static void test_a_point_that_comes_twice_counts_once(void)
+{
+    struct jp_patrol_plan plan = plan_to(0.5f, 0.0f, 0.0f, true);
+
+    path_count = 0;
+    rig_point(0.0f, 0.0f);
+    rig_point(0.0f, 0.0f);
+    rig_point(0.5f, 0.0f);
+    plan.path_count = path_count;
+    expect_leg(&plan, 2.0f, 55.0f);
+}
+
 static void test_a_small_angle_is_driven(void)
 {
     const struct jp_patrol_plan plan = plan_to(4.0f, 1.0f, 0.245f, false);
@@ -216,11 +236,12 @@ static void test_a_small_angle_is_driven(void)
     expect_leg(&plan, 6.12f, 6.12f * 25.0f + 41.2f);
 }
 
+/* Its wheels stay as they are. */
 static void test_turning_to_the_goal(void)
 {
     const struct jp_patrol_plan plan = plan_to(4.0f, 0.0f, 3.1416f, false);
-    const float steering = 2.0f * 0.8491f;
-    const float seconds = 3.1416f + 0.667f + steering / 3.4907f;
+    const float steering = 0.8491f;
+    const float seconds = 3.1416f + 0.667f + steering / 3.4907f + turn_delay();
 
     expect_leg(&plan, 6.0f + seconds, 190.0f + seconds * 25.0f + 4.0f * steering + 3.1416f * 0.333f * 10.0f);
     config.turns_in_place = false;
@@ -255,6 +276,149 @@ static void test_drives_in_from_where_the_path_ends(void)
     expect_leg(&plan, 6.0f + in, (6.0f + in) * 25.0f + 49.0f);
     plan.goal.pose.x = 4.0f + config.position_tolerance / 2.0f;
     expect_leg(&plan, 6.0f, 190.0f);
+}
+
+/* It turns before it, and its wheels go to it and back. */
+static void test_turns_before_it_drives_in(void)
+{
+    struct jp_patrol_plan plan = plan_to(4.0f, 0.0f, 3.1416f, false);
+    const float steering = 2.0f * 0.8491f;
+    const float turn = 3.1416f + 0.667f + steering / 3.4907f + turn_delay();
+    const float in = 2.0f * jp_plane_square_root(0.9f / 0.5f) + delays();
+
+    plan.goal.pose.x = 3.1f;
+    expect_leg(&plan, 6.0f + turn + in,
+               (6.0f + turn + in) * 25.0f + 49.0f + 4.0f * steering + 3.1416f * 0.333f * 10.0f);
+}
+
+static float seconds_of(const struct jp_patrol_plan *plan)
+{
+    duration = 0.0f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, plan, &drive, &duration));
+    return duration;
+}
+
+/* A quarter, in which no glide takes part; the wheels stay as they are. */
+static void test_turning_on_the_spot(void)
+{
+    struct jp_patrol_plan plan = plan_to(0.0f, 0.0f, 1.5708f, false);
+    const float seconds = 1.5708f + 0.667f + 0.8491f / 3.4907f + turn_delay();
+    const float joules = seconds * 25.0f + 4.0f * 0.8491f + 1.5708f * 0.333f * 10.0f;
+
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    path_count = 0;
+    rig_point(0.0f, 0.0f);
+    rig_point(0.0f, 0.0f);
+    plan.path_count = path_count;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+    expect_within(0.02f, seconds, duration);
+    expect_within(1.0f, joules, (float)drive.energy / 65536.0f);
+    path_count = 0;
+    rig_point(0.0f, 0.0f);
+    rig_point(0.0f, 0.9f * config.position_tolerance);
+    expect_within(0.02f, seconds, seconds_of(&plan));
+    plan.start.heading = 1.5f;
+    drive = (struct jp_four_wheel_drive){0};
+    duration = 0.0f;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+    expect_within(1.0e-6f, 0.0f, duration);
+}
+
+/* 1 rad is glided on a way of 3 m, and half of it on one of 0.3 m. */
+static void test_a_glide_into_the_goal_needs_a_way(void)
+{
+    const struct jp_patrol_plan from_afar = plan_to(3.0f, 0.0f, 1.0f, false);
+
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    expect_leg(&from_afar, 5.0f, 25.0f * 5.0f + 30.0f);
+
+    const struct jp_patrol_plan near = plan_to(0.3f, 0.0f, 1.0f, false);
+    const float turn = 2.0f * jp_plane_square_root(0.5f / 1.5f) + (0.8491f + 0.5f) / 3.4907f + turn_delay();
+
+    expect_within(0.05f, delays() + 2.0f * jp_plane_square_root(0.3f / 0.5f) + turn, seconds_of(&near));
+}
+
+/* Where a glide sets off that takes the whole way, all is left to turn at the goal. */
+static void test_no_glide_into_the_goal_behind_another(void)
+{
+    const struct jp_patrol_plan any_heading = plan_to(0.35f, 0.45f, 0.0f, true);
+    const float before = seconds_of(&any_heading);
+    const struct jp_patrol_plan plan = plan_to(0.35f, 0.45f, 2.5f, false);
+    const float rest = 2.5f - jp_plane_bearing(0.35f, 0.45f);
+
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    config.step_speed = 0.05f;
+    TEST_ASSERT_TRUE(seconds_of(&any_heading) < before);
+    expect_within(0.1f, seconds_of(&any_heading) + jp_patrol_turn_seconds(&config, rest) + 0.8491f / 3.4907f + turn_delay(),
+                  seconds_of(&plan));
+}
+
+/* A goal at the robot's side that wants its heading: the wheels across, at 0.2 m/s. */
+static void test_a_step_to_the_goal(void)
+{
+    const struct jp_patrol_plan plan = plan_to(0.0f, 0.4f, 0.0f, false);
+    const struct jp_patrol_plan at_any_heading = plan_to(0.0f, 0.4f, 0.0f, true);
+    const float seconds = 0.4f / 0.2f + 1.5708f / 3.4907f;
+
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    expect_leg(&plan, seconds, seconds * 25.0f + 4.0f * 1.5708f + 4.0f);
+    expect_leg(&at_any_heading, seconds, seconds * 25.0f + 4.0f * 1.5708f + 4.0f);
+    config.turns_in_place = false;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_plan_energy(&config, &model, &plan, &drive, &duration));
+}
+
+/* What is left to the goal's heading is turned after the step, from the angles of its wheels. */
+static void test_a_step_and_a_turn(void)
+{
+    const struct jp_patrol_plan plan = plan_to(-0.2f, 0.05f, 0.9f, false);
+    const float askew = jp_plane_bearing(0.2f, 0.05f);
+    const float turn = 2.0f * jp_plane_square_root(0.9f / 1.5f) + (askew + 0.8491f) / 3.4907f + turn_delay();
+
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    config.turn_first = 1.5f;
+    config.heading_tolerance = 1.0f;
+
+    const float step = seconds_of(&plan);
+
+    config.heading_tolerance = 0.08f;
+    expect_within(0.05f, step + turn, seconds_of(&plan));
+}
+
+/* What is not a straight way to the goal is not stepped. */
+static void test_no_step_round_a_corner_or_before_the_last_leg(void)
+{
+    struct jp_patrol_plan plan = plan_to(0.0f, 0.4f, 0.0f, false);
+
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+
+    const float step = seconds_of(&plan);
+
+    plan.goal.pose.y = 0.6f;
+    TEST_ASSERT_TRUE(seconds_of(&plan) > step + 1.0f);
+    plan = plan_to(0.0f, 0.4f, 0.0f, false);
+    path_count = 0;
+    rig_point(0.0f, 0.0f);
+    rig_point(-0.1f, 0.2f);
+    rig_point(0.0f, 0.4f);
+    plan.path_count = path_count;
+    TEST_ASSERT_TRUE(seconds_of(&plan) > step + 1.0f);
+}
+
+/* Ten degrees beyond what a glide takes are turned first, three are not. */
+static void test_little_is_not_turned_before_a_glide(void)
+{
+    float seconds[2];
+
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    config.heading_tolerance = 0.02f;
+    for (unsigned i = 0; i < 2U; i++) {
+        const float angle = jp_patrol_askew_max(&config) + (i == 0U ? 0.17f : 0.05f);
+        const struct jp_patrol_plan plan =
+            plan_to(4.0f * jp_plane_cosine(angle), 4.0f * jp_plane_sine(angle), 0.0f, true);
+
+        seconds[i] = seconds_of(&plan);
+    }
+    TEST_ASSERT_TRUE(seconds[0] > seconds[1] + 0.5f);
 }
 
 static void test_a_leg_on_the_spot(void)

@@ -494,7 +494,82 @@ static void test_wheels_change_little_in_a_cycle(void)
     TEST_ASSERT_TRUE(patrol.internal.command.turn_rate > 0.8f);
 }
 
+/* As it comes to the goal it still turns, and its outer wheels go faster than it does. */
+static void test_outer_wheels_slow_down_as_they_can(void)
+{
+    float fastest = 0.0f;
+    float hardest = 0.0f;
+
+    config.position_tolerance = 0.05f;
+    config.heading_tolerance = 0.035f;
+    rig_init();
+    rig_go_to_heading(3.0f, 0.0f, 1.3f);
+    for (unsigned i = 0; i < RIG_LONG && patrol.state != JP_PATROL_ARRIVED && patrol.state != JP_PATROL_TURNING; i++) {
+        const float before = fastest;
+
+        rig_cycle();
+
+        const float forward = patrol.internal.command.forward;
+        const float along = forward + 0.22f * jp_plane_magnitude(patrol.internal.command.turn_rate);
+        const float across = jp_plane_magnitude(patrol.internal.sideways) +
+                             0.25f * jp_plane_magnitude(patrol.internal.command.turn_rate);
+
+        fastest = jp_plane_length(along, across);
+        hardest = patrol.state == JP_PATROL_GLIDING ? jp_plane_larger(hardest, before - fastest) : hardest;
+    }
+    TEST_ASSERT_EQUAL_UINT32(1, patrol.counts.glides);
+    TEST_ASSERT_TRUE(hardest < 1.1f * config.people.braking * config.period);
+    TEST_ASSERT_TRUE(hardest > 0.0f);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    expect_pose(3.0f, 0.0f, 1.3f);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.steps);
+}
+
+/* A turn by what a turn to its way may be off by would end where it begins. */
+static void test_robot_sets_off_where_little_is_left_to_turn(void)
+{
+    float angle;
+
+    config.position_tolerance = 0.05f;
+    config.heading_tolerance = 0.02f;
+    rig_init();
+    angle = jp_patrol_askew_max(&config) + 0.05f;
+    rig_go(2.0f * jp_plane_cosine(angle), 2.0f * jp_plane_sine(angle));
+    rig_cycle();
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.turns);
+    TEST_ASSERT_TRUE(jp_patrol_set_off_rest(&config, angle, angle - 0.05f) <= 0.0f);
+    expect_within(1.0e-6f, 0.1f, jp_patrol_set_off_rest(&config, angle, angle - 0.1f));
+}
+
 /* ---- What is foreseen ---- */
+
+/* At its end a glide has no direction, wherever the last of its steps leads. */
+static void test_where_a_glide_ends_does_not_forbid_it(void)
+{
+    for (int i = 0; i < 100; i++) {
+        rig_reset();
+        config.strategy = (uint8_t)JP_PATROL_BY_COST;
+        rig_init();
+
+        const float way = 1.5f + 0.01f * (float)i;
+
+        rig_go_to_heading(way * jp_plane_cosine(0.4f), way * jp_plane_sine(0.4f), 1.7f);
+        TEST_ASSERT_TRUE(jp_patrol_can_glide_in(&patrol));
+    }
+}
+
+static void test_what_a_way_leaves_of_a_glide(void)
+{
+    const float most = jp_patrol_askew_max(&config);
+
+    expect_within(1.0e-6f, -1.0f, jp_patrol_glide_in_part(&config, -1.0f, 2.0f));
+    expect_within(1.0e-6f, most, jp_patrol_glide_in_part(&config, 3.0f, 2.0f));
+    expect_within(1.0e-6f, -0.5f, jp_patrol_glide_in_part(&config, -1.0f, 0.3f));
+    expect_within(1.0e-6f, 0.0f, jp_patrol_glide_in_part(&config, 1.0f, -0.3f));
+    expect_within(1.0e-6f, jp_patrol_set_off_length(1.0f), jp_patrol_set_off_length(-1.0f));
+    expect_within(1.0e-6f, 0.0f, jp_patrol_set_off_part(&config, 0.0f));
+}
 
 static void test_a_glide_from_the_path_is_foreseen(void)
 {

@@ -48,6 +48,14 @@ static bool is_marked(int x, int y)
     return jp_terrain_cell(&marked, x, y) == JP_CELL_OCCUPIED;
 }
 
+/* In two parts. */
+static void mark(const struct jp_plane_pose *scanner, float tolerance)
+{
+    jp_patrol_clear_ways(&given, &marked, &scan, scanner, 0, 1);
+    jp_patrol_clear_ways(&given, &marked, &scan, scanner, 1, BEAMS);
+    jp_patrol_mark_ends(&given, &marked, &scan, scanner, tolerance);
+}
+
 static void test_cells_of_coordinates(void)
 {
     TEST_ASSERT_EQUAL_INT32(0, jp_patrol_cell_at(&given, 0.0f));
@@ -67,7 +75,7 @@ static void test_ends_of_beams_are_marked(void)
     ranges[1] = 2.07f;
     ranges[2] = 1.57f;
     ranges[3] = 0.57f;
-    jp_patrol_mark(&given, &marked, &scan, &scanner, TOLERANCE);
+    mark(&scanner, TOLERANCE);
     TEST_ASSERT_TRUE(is_marked(32, 24));
     TEST_ASSERT_TRUE(is_marked(24, 40) || is_marked(23, 40));
     TEST_ASSERT_TRUE(is_marked(11, 24) || is_marked(11, 23));
@@ -84,14 +92,14 @@ static void test_a_beam_clears_what_it_goes_through(void)
     occupy(&marked, 30, 24);
     occupy(&marked, 27, 25);
     ranges[0] = 1.0f;
-    jp_patrol_mark(&given, &marked, &scan, &scanner, TOLERANCE);
+    mark(&scanner, TOLERANCE);
     TEST_ASSERT_FALSE(is_marked(27, 24));
     TEST_ASSERT_TRUE(is_marked(28, 24));
     TEST_ASSERT_TRUE(is_marked(27, 25));
     TEST_ASSERT_TRUE(is_marked(32, 24));
     /* So near its end it does not say. */
     occupy(&marked, 31, 24);
-    jp_patrol_mark(&given, &marked, &scan, &scanner, TOLERANCE);
+    mark(&scanner, TOLERANCE);
     TEST_ASSERT_TRUE(is_marked(31, 24));
 }
 
@@ -106,7 +114,7 @@ static void test_beams_that_hit_nothing_say_nothing(void)
     ranges[1] = -1.0f;
     ranges[2] = __builtin_inff();
     ranges[3] = __builtin_nanf("");
-    jp_patrol_mark(&given, &marked, &scan, &scanner, TOLERANCE);
+    mark(&scanner, TOLERANCE);
     TEST_ASSERT_TRUE(is_marked(27, 24));
     TEST_ASSERT_TRUE(is_marked(24, 27));
     TEST_ASSERT_TRUE(is_marked(21, 24));
@@ -125,12 +133,12 @@ static void test_an_end_beside_what_is_known_is_that(void)
     for (int i = 0; i < BEAMS; i++) {
         ranges[i] = i < 2 ? 0.91f : 1.03f;
     }
-    jp_patrol_mark(&given, &marked, &scan, &scanner, TOLERANCE);
+    mark(&scanner, TOLERANCE);
     TEST_ASSERT_FALSE(is_marked(31, 24) || is_marked(24, 31) || is_marked(16, 24) || is_marked(24, 16));
     for (int i = 0; i < BEAMS; i++) {
         ranges[i] = i < 2 ? 0.88f : 1.0f;
     }
-    jp_patrol_mark(&given, &marked, &scan, &scanner, TOLERANCE);
+    mark(&scanner, TOLERANCE);
     TEST_ASSERT_TRUE(is_marked(31, 24) && is_marked(24, 31) && is_marked(16, 24) && is_marked(24, 16));
 }
 
@@ -140,7 +148,7 @@ static void test_what_stands_more_than_a_cell_from_it_is_marked(void)
 
     occupy(&given, 32, 24);
     ranges[0] = 0.79f; /* 0.15 m before it; the cell is of 0.125 m */
-    jp_patrol_mark(&given, &marked, &scan, &scanner, 1000.0f);
+    mark(&scanner, 1000.0f);
     TEST_ASSERT_TRUE(is_marked(30, 24));
 }
 
@@ -150,7 +158,7 @@ static void test_a_beam_beyond_the_map(void)
 
     occupy(&marked, 50, 24);
     ranges[0] = 1.0e30f;
-    jp_patrol_mark(&given, &marked, &scan, &scanner, TOLERANCE);
+    mark(&scanner, TOLERANCE);
     TEST_ASSERT_FALSE(is_marked(50, 24));
 }
 

@@ -61,10 +61,11 @@ static void occupy(float left, float bottom, float right, float top)
     }
 }
 
+/* As much as there is time for between two cycles, and until there is a path. */
 static void work(void)
 {
-    while (jp_patrol_mission_work(&mission, 50) == JP_MISSION_PLANNING) {
-        planned++;
+    for (unsigned i = 0; i < 15U || mission.state == JP_MISSION_PLANNING; i++) {
+        planned += jp_patrol_mission_work(&mission, 50) == JP_MISSION_PLANNING ? 1U : 0U;
     }
 }
 
@@ -678,6 +679,96 @@ static void test_a_cycle_while_it_plans(void)
     TEST_ASSERT_TRUE(is_marked(3.0f));
 }
 
+/* The cycle that is to watch the goal sees a box. */
+static void see_box(unsigned slices, unsigned expansions)
+{
+    const struct jp_plane_pose goal = {6.05f, 4.05f, 0.0f};
+
+    init();
+    rig_box(3.0f, 3.5f, 3.2f, 4.5f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_start(&mission, &goal));
+    while (jp_patrol_mission_work(&mission, 1000) == JP_MISSION_PLANNING) {
+    }
+    while (mission.internal.marks == JP_MARKS_NONE) {
+        rig_sense();
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
+    }
+    for (unsigned i = 0; i < slices; i++) {
+        (void)jp_patrol_mission_work(&mission, expansions);
+    }
+}
+
+static void test_a_scan_is_marked_in_slices(void)
+{
+    see_box(RIG_BEAMS / 3U - 1U, 8);
+    TEST_ASSERT_EQUAL_INT(JP_MARKS_WATCH, mission.internal.marks);
+    TEST_ASSERT_FALSE(is_marked(3.0f));
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_UNDER_WAY, jp_patrol_mission_work(&mission, 8));
+    TEST_ASSERT_EQUAL_INT(JP_MARKS_NONE, mission.internal.marks);
+    TEST_ASSERT_TRUE(is_marked(3.0f));
+}
+
+/* What of a scan is left when the next one comes is seen by that. */
+static void test_the_next_scan_is_marked_where_the_last_one_is_not(void)
+{
+    see_box(RIG_BEAMS / 6U, 8);
+    is_blind = true;
+    rig_sense();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
+    is_blind = false;
+    TEST_ASSERT_NOT_NULL(mission.internal.scan.ranges);
+    rig_box(2.8f, 3.5f, 2.9f, 4.5f);
+    rig_sense();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
+    TEST_ASSERT_EQUAL_INT(JP_MARKS_WATCH, mission.internal.marks);
+    (void)jp_patrol_mission_work(&mission, 2U * RIG_BEAMS);
+    TEST_ASSERT_EQUAL_INT(JP_MARKS_NONE, mission.internal.marks);
+    TEST_ASSERT_TRUE(is_marked(2.8f));
+    TEST_ASSERT_FALSE(is_marked(3.1f));
+}
+
+static void test_who_stops_or_has_another_goal_marks_nothing(void)
+{
+    const struct jp_plane_pose goal = {6.05f, 4.05f, 0.0f};
+
+    see_box(1, 8);
+    jp_patrol_mission_stop(&mission);
+    TEST_ASSERT_EQUAL_INT(JP_MARKS_NONE, mission.internal.marks);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_IDLE, jp_patrol_mission_work(&mission, 1000));
+    wall_count = 0;
+    see_box(1, 8);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_start(&mission, &goal));
+    TEST_ASSERT_EQUAL_INT(JP_MARKS_NONE, mission.internal.marks);
+    TEST_ASSERT_FALSE(is_marked(3.0f));
+}
+
+/* Bit by bit. */
+static void test_a_path_is_the_same_however_it_is_sliced(void)
+{
+    static const unsigned slices[] = {1, 7, 100000};
+    static struct jp_point first[RIG_POINTS_MAX];
+    uint16_t count = 0;
+
+    for (unsigned i = 0; i < 3U; i++) {
+        const struct jp_plane_pose goal = {6.05f, 4.05f, 2.0f};
+
+        occupy(3.0f, 0.0f, 3.2f, 3.9f);
+        occupy(4.5f, 3.0f, 4.7f, 8.0f);
+        init();
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_start(&mission, &goal));
+        while (jp_patrol_mission_work(&mission, slices[i]) == JP_MISSION_PLANNING) {
+        }
+        TEST_ASSERT_EQUAL_INT(JP_MISSION_UNDER_WAY, mission.state);
+        if (i == 0U) {
+            count = mission.path_count;
+            TEST_ASSERT_TRUE(count > 10U && count <= RIG_POINTS_MAX);
+            memcpy(first, mission.path, count * sizeof first[0]);
+        }
+        TEST_ASSERT_EQUAL_UINT16(count, mission.path_count);
+        TEST_ASSERT_EQUAL_MEMORY(first, mission.path, count * sizeof first[0]);
+    }
+}
+
 static void test_an_idle_mission_stands(void)
 {
     cycles(6);
@@ -967,6 +1058,7 @@ static void test_a_new_goal_ends_the_search_around_people(void)
 {
     begin_among_people();
     stand_for_somebody(20.0f);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_PLANNING, jp_patrol_mission_work(&mission, 4U * RIG_BEAMS));
     TEST_ASSERT_EQUAL_INT(JP_CELL_OCCUPIED, jp_terrain_cell(&mission.internal.marked, 42, 60));
     start(7.0f, 4.05f, 0.0f);
     TEST_ASSERT_EQUAL_INT(JP_CELL_UNKNOWN, jp_terrain_cell(&mission.internal.marked, 42, 60));

@@ -150,6 +150,18 @@ static void expect_steering(const struct jp_wheels *from, const struct jp_wheels
     TEST_ASSERT_NEAR(0.2f, STEER_WHEEL * sum + farthest / config.steering_rate * config.price.second, price);
 }
 
+/* Across, to a goal at its side that wants its heading; straight ahead it drives. */
+static void test_the_cheapest_way_to_a_near_goal(void)
+{
+    const struct jp_patrol_near_goal beside = {.away = 0.3f, .first = 1.57f, .then = 1.57f, .error = 0.0f};
+    const struct jp_patrol_near_goal ahead = {.away = 3.0f, .first = 0.6f, .then = 0.0f, .error = 0.6f};
+    const struct jp_patrol_near_goal far_off = {.away = 10.0f, .first = 1.57f, .then = 1.57f, .error = 0.0f};
+
+    TEST_ASSERT_TRUE(jp_patrol_is_step_cheapest(&config, &beside));
+    TEST_ASSERT_FALSE(jp_patrol_is_step_cheapest(&config, &ahead));
+    TEST_ASSERT_FALSE(jp_patrol_is_step_cheapest(&config, &far_off));
+}
+
 static void test_steering_costs_what_the_wheels_have_to_go(void)
 {
     for (unsigned i = 0; i <= ANGLES; i++) {

@@ -20,6 +20,7 @@ static struct jp_patrol_pilot_config config;
 static enum jp_status written;
 static uint32_t ticks;
 static bool is_blind;
+static unsigned scan_delay; /* ticks from a scan's begin until it is whole */
 static const char *field;
 
 static const struct jp_plane_pose start = {1.5f, 1.5f, 0.0f};
@@ -46,6 +47,7 @@ void setUp(void)
     patrol_room_start(&room, &start);
     ticks = 0;
     is_blind = false;
+    scan_delay = 0;
     written = JP_OK;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_init(&robot, &jp_four_wheel_robot_patrol, &field));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_pilot_init(&pilot, &config, &robot, &field));
@@ -57,11 +59,16 @@ void tearDown(void)
 
 static void tick(void)
 {
+    static struct jp_four_wheel_odometry begun;
+
     jp_four_wheel_robot_control(&robot, written, &room.sensors, &room.actuation);
     jp_four_wheel_robot_account(&robot);
     if (ticks % SCAN_TICKS == 0U && !is_blind) {
         patrol_room_scan(&room, &jp_patrol_scanner_patrol);
-        jp_patrol_pilot_see(&pilot, room.ranges, &jp_four_wheel_robot_shown(&robot)->odometry);
+        begun = jp_four_wheel_robot_shown(&robot)->odometry;
+    }
+    if (ticks % SCAN_TICKS == scan_delay && !is_blind) {
+        jp_patrol_pilot_see(&pilot, room.ranges, &begun);
     }
     jp_patrol_pilot_work(&pilot);
     patrol_room_tick(&room, &jp_four_wheel_robot_patrol);
@@ -271,6 +278,32 @@ static void test_it_drives_to_a_goal_and_learns_from_it(void)
     TEST_ASSERT_EQUAL_UINT32(1, pilot.ledger.learned_from);
     TEST_ASSERT_TRUE(pilot.ledger.result.energy > 0);
     TEST_ASSERT_EQUAL_INT(JP_LOCALISER_TRACKING, pilot.localiser.state);
+}
+
+/* It sees what was around it then, and drives from where it is. */
+static void test_it_knows_where_it_is_however_late_its_scan_comes(void)
+{
+    float fastest = 0.0f;
+
+    scan_delay = 8;
+    stand();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_pilot_go(&pilot, &goal));
+    for (unsigned i = 0; i < PATIENCE && jp_patrol_pilot_is_under_way(&pilot); i++) {
+        const struct jp_plane_pose before = room.pose;
+        const uint32_t cycles = pilot.mission.patrol.counts.cycles;
+
+        tick();
+        fastest = jp_plane_larger(
+            fastest, 100.0f * jp_plane_length(room.pose.x - before.x, room.pose.y - before.y));
+        if (pilot.mission.patrol.counts.cycles != cycles) {
+            const struct jp_plane_pose believed = jp_patrol_pilot_pose(&pilot);
+
+            TEST_ASSERT_TRUE(jp_plane_length(believed.x - before.x, believed.y - before.y) < 0.02f);
+            TEST_ASSERT_TRUE(jp_plane_magnitude(jp_plane_wrap(believed.heading - before.heading)) < 0.03f);
+        }
+    }
+    TEST_ASSERT_TRUE(fastest > 0.8f);
+    TEST_ASSERT_TRUE(distance_to(&goal) < 0.05f);
 }
 
 static void test_it_follows_waypoints_one_after_the_other(void)
