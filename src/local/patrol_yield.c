@@ -423,8 +423,8 @@ static float horizon_of(const struct jp_patrol *patrol, float speed)
                            NOTICE + time_to_rest(patrol, speed));
 }
 
-/* The highest speed that is safe; where none is, 0 if the robot is at rest before anybody touches it, else the speed at
- * which it stays farthest from people. */
+/* The highest speed that is safe; where none is, 0, unless the robot would be touched before it is at rest, and would
+ * not at another speed: then that at which it stays farthest from people. */
 static float safe_speed(const struct jp_patrol *patrol, float now)
 {
     /* Of the highest speed. */
@@ -435,7 +435,7 @@ static float safe_speed(const struct jp_patrol *patrol, float now)
     lay_out(patrol, &course);
 
     const float if_braked = nearest_if_braked(patrol, &course, now);
-    float nearest = if_braked;
+    float nearest = jp_plane_larger(if_braked, TOUCH);
 
     for (unsigned i = 0; i < sizeof shares / sizeof shares[0]; i++) {
         const float speed = patrol->config.teb.speed_max * shares[i];
