@@ -1,6 +1,7 @@
 #include <joulepath/movers.h>
 
 #include "src/base/plane.h"
+#include "src/local/movers_past.h"
 #include "src/local/movers_track.h"
 #include "src/local/movers_walk.h"
 
@@ -47,6 +48,9 @@ static void follow(struct jp_movers *movers, const struct jp_movers_config *conf
 void jp_movers_clear(struct jp_movers *movers)
 {
     movers->count = 0;
+    movers->past[0].count = 0;
+    movers->past[1].count = 0;
+    movers->past_age = 0.0f;
 }
 
 enum jp_status jp_movers_update(struct jp_movers *movers, const struct jp_movers_config *config,
@@ -77,12 +81,14 @@ enum jp_status jp_movers_update(struct jp_movers *movers, const struct jp_movers
     jp_movers_predict(movers, period);
     for (unsigned beam = 0; jp_scan_next_run(&view, beam, &run); beam = run.last + 1U) {
         if (jp_mover_find_thing(&view, &run, config->extent, &thing)) {
+            thing.has_come = jp_movers_has_come(movers, view.config, &thing);
             follow(movers, config, &thing, &view, period);
         }
     }
     jp_movers_join(movers);
     jp_movers_miss(movers, &view);
     jp_movers_forget(movers);
+    jp_movers_keep_scan(movers, &view, period);
     return JP_OK;
 }
 

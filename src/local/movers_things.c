@@ -99,10 +99,20 @@ bool jp_mover_find_thing(const struct jp_scan_view *view, const struct jp_scan_r
     thing->radius = 0.5f * jp_plane_square_root(square);
     thing->across = across_of(first, last);
     take_points(view, run, thing->seen);
+    thing->has_come = false;
     return true;
 }
 
 bool jp_mover_thing_is_whole(const struct jp_mover_thing *thing)
 {
     return thing->is_free[0] && thing->is_free[1];
+}
+
+bool jp_mover_is_empty(const struct jp_scan_view *view, struct jp_plane_point place)
+{
+    const float distance = jp_plane_length(place.x - view->first.x, place.y - view->first.y) + JP_MOVER_CLEARLY;
+    const uint32_t beam = jp_scan_beam_towards(view, place);
+
+    return beam + 1U < view->scan->count && jp_scan_reaches(view, beam, distance) &&
+           jp_scan_reaches(view, beam + 1U, distance);
 }

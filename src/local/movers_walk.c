@@ -62,16 +62,6 @@ static bool has_left(const struct jp_mover *mover)
     return jp_plane_square_between(mover->centre, mover->origin) > reach * reach;
 }
 
-/* Whether what was at a place has gone: the beams on both sides of it end clearly behind it. */
-static bool is_empty(const struct jp_scan_view *view, struct jp_plane_point place)
-{
-    const float distance = jp_plane_length(place.x - view->first.x, place.y - view->first.y) + JP_MOVER_CLEARLY;
-    const uint32_t beam = jp_scan_beam_towards(view, place);
-
-    return beam + 1U < view->scan->count && jp_scan_reaches(view, beam, distance) &&
-           jp_scan_reaches(view, beam + 1U, distance);
-}
-
 /* Twice the area of the triangle; above 0 where its corners turn to the left. */
 static float turn_of(struct jp_plane_point a, struct jp_plane_point b, struct jp_plane_point c)
 {
@@ -94,7 +84,7 @@ static bool has_changed_place(const struct jp_mover *mover, const struct jp_move
                               const struct jp_scan_view *view)
 {
     for (unsigned i = 0; i < JP_MOVER_POINTS; i++) {
-        if (is_empty(view, mover->seen[i])) {
+        if (jp_mover_is_empty(view, mover->seen[i])) {
             return true;
         }
         for (unsigned k = 1; k < JP_MOVER_POINTS; k++) {
@@ -127,15 +117,16 @@ void jp_mover_judge_companion(struct jp_mover *mover, const struct jp_movers_con
     }
 }
 
-/* Who has walked, or is where nothing was, or no longer where they were. */
+/* Who has walked, or is where nothing was, or no longer where they were. Several who walk side by side shift as one
+ * before the other, but all of them come to where nothing was. */
 static bool may_walk(const struct jp_mover *mover, const struct jp_movers_config *config,
                      const struct jp_mover_thing *thing, const struct jp_scan_view *view)
 {
     if (jp_mover_has_walked(mover)) {
         return jp_mover_is_walking(mover, config);
     }
-    return is_faster(mover, config, LIKELY) && is_steady(mover, thing) && has_left(mover) &&
-           has_changed_place(mover, thing, view);
+    return is_faster(mover, config, LIKELY) && has_left(mover) &&
+           (thing->has_come || (is_steady(mover, thing) && has_changed_place(mover, thing, view)));
 }
 
 /* Who turns round walks in the other direction at once, and at no time across their line. */

@@ -232,6 +232,15 @@ static float way_back(float speed, float pace, float acceleration, float time)
                           : stopped - 0.5f * pace * to_pace - pace * (back - to_pace);
 }
 
+/* From the present place, after a time in which somebody at a speed goes on, and speeds up to their pace, m. */
+static float way_on(float speed, float pace, float acceleration, float time)
+{
+    const float faster = jp_plane_larger(pace - speed, 0.0f);
+    const float speeding_up = jp_plane_smaller(time, faster / acceleration);
+
+    return speed * time + faster * (time - speeding_up) + 0.5f * acceleration * speeding_up * speeding_up;
+}
+
 /* Where somebody may be after a time, along their walk, m: if they turned round as late as the robot could no longer
  * stop in time, or when they were last seen, and if they go on, and so much later. */
 static void find_place(const struct jp_patrol *patrol, const struct jp_mover *mover, float time, float stop, float gap,
@@ -248,7 +257,7 @@ static void find_place(const struct jp_patrol *patrol, const struct jp_mover *mo
     const float late = jp_plane_smaller(time, stop + notice) + unseen;
     const float turned = way_back(speed, mover->pace, people->acceleration, late);
     const float back = speed * (time - late) + turned;
-    const float on = is_walking ? speed * (time + gap) : -turned;
+    const float on = is_walking ? way_on(speed, mover->pace, people->acceleration, time + gap) : -turned;
     const float deviation = jp_plane_square_root(mover->speed_variance);
 
     place->vertices[0] = (struct jp_plane_point){mover->centre.x + back * along.x, mover->centre.y + back * along.y};
@@ -314,6 +323,21 @@ static void look_at_stander(const struct jp_patrol *patrol, const struct jp_move
     }
 }
 
+/* Of who has waited for people: 0 at first, 1 in the end. */
+static float impatience(const struct jp_patrol *patrol)
+{
+    return jp_plane_clamp((patrol->internal.yielded - PATIENT) / (IMPATIENT - PATIENT), 0.0f, 1.0f);
+}
+
+/* That is kept from who walks: where people walk to and fro so near that it cannot leave with more, what it keeps from
+ * things. */
+static float walker_clearance(const struct jp_patrol *patrol)
+{
+    const float most = patrol->config.people.clearance;
+
+    return most - impatience(patrol) * jp_plane_larger(most - JP_PATROL_CLEARANCE, 0.0f);
+}
+
 /* At somebody who walks, or may, from a pose after a time. */
 static void look_at_walker(const struct jp_patrol *patrol, const struct jp_mover *mover,
                            const struct jp_plane_pose *pose, float time, float stop, struct yield_outlook *outlook)
@@ -325,7 +349,7 @@ static void look_at_walker(const struct jp_patrol *patrol, const struct jp_mover
 
     const float distance = jp_obstacle_distance(footprint, pose, &place, NULL);
 
-    if (distance < TOUCH || (distance < patrol->config.people.clearance &&
+    if (distance < TOUCH || (distance < walker_clearance(patrol) &&
                              distance < jp_obstacle_distance(footprint, &patrol->pose, &place, NULL) - NEARER)) {
         outlook->is_free = false;
     }
@@ -417,9 +441,7 @@ static float nearest_if_braked(const struct jp_patrol *patrol, const struct yiel
 /* Never less than it takes to be at rest after somebody has turned round. */
 static float horizon_of(const struct jp_patrol *patrol, float speed)
 {
-    const float share = (patrol->internal.yielded - PATIENT) / (IMPATIENT - PATIENT);
-
-    return jp_plane_larger(HORIZON - (HORIZON - HORIZON_IMPATIENT) * jp_plane_clamp(share, 0.0f, 1.0f),
+    return jp_plane_larger(HORIZON - (HORIZON - HORIZON_IMPATIENT) * impatience(patrol),
                            NOTICE + time_to_rest(patrol, speed));
 }
 

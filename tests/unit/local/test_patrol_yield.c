@@ -225,6 +225,18 @@ static void test_pace_says_how_far_somebody_comes(void)
     expect_free();
 }
 
+/* Somebody who has just turned round, or sets off, is soon as fast as they were. */
+static void test_it_expects_who_is_slow_to_walk_as_fast_as_before(void)
+{
+    struct jp_mover *const person = put_walker(1.2f, -2.8f, 0.0f, 0.4f);
+
+    expect_free();
+    person->pace = 1.2f;
+    patrol.internal.command.forward = FAST;
+    TEST_ASSERT_TRUE(yielded() < FAST);
+    TEST_ASSERT_TRUE(patrol.internal.is_yielding);
+}
+
 /* Not seen for a second and a half: they may have turned round when they were last seen. */
 static void test_it_expects_who_is_hidden_to_have_turned_round(void)
 {
@@ -688,5 +700,32 @@ static void test_who_has_waited_for_long_takes_a_shorter_gap(void)
     expect_slower();
     patrol.internal.command = (struct jp_plane_speed){FAST, 0.0f};
     patrol.internal.yielded = 40.0f;
+    TEST_ASSERT_NEAR(NEAR, FAST, yielded());
+}
+
+/* Nearer than it would like to, but no nearer than to a thing. */
+static void test_who_has_waited_for_long_passes_nearer_to_where_somebody_walks(void)
+{
+    const float waited[] = {0.0f, 40.0f, 40.0f};
+    const float aside[] = {0.78f, 0.78f, 0.65f};
+
+    for (unsigned i = 0; i < 3U; i++) {
+        setUp();
+        patrol.internal.yielded = waited[i];
+        (void)put_walker(2.0f, aside[i], 0.5f, 0.0f);
+        if (i == 1U) {
+            TEST_ASSERT_NEAR(NEAR, FAST, yielded());
+        } else {
+            expect_slower();
+        }
+    }
+}
+
+/* A robot whose file asks for less of people than of things keeps that. */
+static void test_who_keeps_little_keeps_it_however_long_it_has_waited(void)
+{
+    patrol.config.people.clearance = 0.05f;
+    patrol.internal.yielded = 40.0f;
+    (void)put_walker(2.0f, 0.7f, 0.5f, 0.0f);
     TEST_ASSERT_NEAR(NEAR, FAST, yielded());
 }
