@@ -55,6 +55,7 @@ struct jp_mover {
     uint8_t misses;                              /**< in a row */
     uint8_t alone;                               /**< sightings in a row without others seen with it; saturates */
     bool is_companion;                           /**< taken to walk because somebody does who is, or was, with it */
+    bool has_come;                               /**< was first seen where nothing had been: no thing that stands */
 };
 
 /** Private: directions in which it is remembered what a scan saw. */

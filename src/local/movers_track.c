@@ -243,6 +243,7 @@ void jp_movers_begin(struct jp_movers *movers, const struct jp_mover_thing *thin
         track = *beside;
     }
     track.is_companion = beside != NULL;
+    track.has_come = thing->has_come;
     track.own = jp_mover_thing_is_whole(thing) ? thing->radius : jp_plane_larger(thing->radius, PERSON_RADIUS);
     track.centre = middle_of(thing, track.own, thing->centre);
     track.origin = track.centre;

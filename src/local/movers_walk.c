@@ -126,7 +126,7 @@ static bool may_walk(const struct jp_mover *mover, const struct jp_movers_config
         return jp_mover_is_walking(mover, config);
     }
     return is_faster(mover, config, LIKELY) &&
-           (thing->has_come || (is_steady(mover, thing) && has_changed_place(mover, thing, view))) && has_left(mover);
+           (thing->has_come || (is_steady(mover, thing) && has_left(mover) && has_changed_place(mover, thing, view)));
 }
 
 /* Who turns round walks in the other direction at once, and at no time across their line. */

@@ -24,9 +24,11 @@
 /* Of a radius over what is seen of it: beams miss the rims, so that the middle of what is seen lies before its own. */
 #define WHOLE 1.4f
 
-/* Nobody alone is larger, m; sightings until a motion is heeded, and scans without one for which it still is. */
+/* Nobody alone is larger, m; sightings until a motion is heeded, of who was first seen where nothing had been too, and
+ * scans without one for which it still is. */
 #define PERSON_MAX    0.35f
 #define SIGHTINGS_MIN 4U
+#define ARRIVED_MIN   2U
 #define UNSEEN_MAX    5U
 
 /* Who seems to set off is faster than so many standard deviations of the velocity along an axis. */
@@ -294,8 +296,9 @@ static bool may_be_setting_off(const struct jp_patrol *patrol, const struct jp_m
 {
     const float speed = jp_plane_length(mover->velocity.x, mover->velocity.y);
 
-    return mover->radius < PERSON_MAX && mover->sightings >= SIGHTINGS_MIN && mover->misses <= UNSEEN_MAX &&
-           speed > patrol->config.movers.speed_min && speed * speed > LIKELY * LIKELY * mover->speed_variance;
+    return mover->radius < PERSON_MAX && mover->sightings >= (mover->has_come ? ARRIVED_MIN : SIGHTINGS_MIN) &&
+           mover->misses <= UNSEEN_MAX && speed > patrol->config.movers.speed_min &&
+           speed * speed > LIKELY * LIKELY * mover->speed_variance;
 }
 
 /* Of those who are nobody who may walk on. */
@@ -345,7 +348,7 @@ static void look_at_walker(const struct jp_patrol *patrol, const struct jp_mover
     const struct jp_footprint *const footprint = &patrol->config.teb.footprint;
     struct jp_obstacle place;
 
-    find_place(patrol, mover, time, stop, GAP, &place);
+    find_place(patrol, mover, time, stop, GAP * (1.0f - impatience(patrol)), &place);
 
     const float distance = jp_obstacle_distance(footprint, pose, &place, NULL);
 

@@ -192,6 +192,21 @@ static void test_a_group_that_is_half_hidden_is_known_to_walk(void)
     TEST_ASSERT_TRUE(is_anybody_known());
 }
 
+/* What is there from the first scan on may have been there before; what is seen later where nothing was has come. */
+static void test_a_track_knows_whether_it_has_come(void)
+{
+    (void)put_disc(3.0f, 0.0f, RADIUS);
+    for (unsigned i = 0; i < 25U; i++) {
+        look();
+    }
+    TEST_ASSERT_EQUAL_UINT(1, movers.count);
+    TEST_ASSERT_FALSE(movers.movers[0].has_come);
+    (void)put_disc(0.0f, 3.0f, RADIUS);
+    look();
+    TEST_ASSERT_EQUAL_UINT(2, movers.count);
+    TEST_ASSERT_TRUE(movers.movers[1].has_come);
+}
+
 /* Past a shelf that stands other parts of it are seen, but none where nothing was. */
 static void test_a_shelf_that_is_passed_is_not(void)
 {

@@ -144,6 +144,24 @@ static void test_it_waits_for_who_seems_to_set_off(void)
     }
 }
 
+/* What has come to where nothing was is heeded as soon as it is known how it moves. */
+static void test_it_waits_for_who_has_come_into_sight(void)
+{
+    for (unsigned i = 0; i < 2U; i++) {
+        struct jp_mover *mover;
+
+        setUp();
+        mover = put_who_sets_off();
+        mover->has_come = true;
+        mover->sightings = 2U - (uint8_t)i;
+        if (i == 0U) {
+            TEST_ASSERT_TRUE(yielded() <= 0.1501f * FAST);
+        } else {
+            expect_free();
+        }
+    }
+}
+
 static void test_who_stands_for_long_stays(void)
 {
     struct jp_mover *const person = put_stander(1.2f, 0.9f, 0.0f, 1.0f);
