@@ -7,8 +7,9 @@
  * its middle: of one that is partly hidden by the free rim, less exactly; of one that is seen as one with others no
  * more than that it is among them. The uncertainty of the velocity is known from the first scans on: an object walks
  * when it is faster than that explains, and it is where nothing was before, or nothing is where it was: what is seen of
- * a thing that stands may shift, but not so. Who has walked is remembered as somebody who may walk on, or back, along
- * the same line; who stands and is seen as one with them, in their stead, until it is seen alone and stands.
+ * a thing that stands may shift, but not so. What the scanner saw a second or two ago says where nothing was. Who has
+ * walked is remembered as somebody who may walk on, or back, along the same line; who stands and is seen as one with
+ * them, in their stead, until it is seen alone and stands.
  *
  * Part of libjoulepath_float; nothing here is for ISRs.
  */
@@ -54,12 +55,26 @@ struct jp_mover {
     uint8_t misses;                              /**< in a row */
     uint8_t alone;                               /**< sightings in a row without others seen with it; saturates */
     bool is_companion;                           /**< taken to walk because somebody does who is, or was, with it */
+    bool has_come;                               /**< was first seen where nothing had been: no thing that stands */
 };
 
-/** The members may be read. */
+/** Private: directions in which it is remembered what a scan saw. */
+#define JP_MOVERS_PAST_BEAMS 180U
+
+/** Private: a scan of a while ago. */
+struct jp_movers_past {
+    struct jp_plane_pose first; /**< of direction 0, from the sensor */
+    float step;                 /**< from one direction to the next, rad */
+    uint16_t count;             /**< 0: none */
+    float ranges[JP_MOVERS_PAST_BEAMS];
+};
+
+/** The members but `past` and `past_age` may be read. */
 struct jp_movers {
     struct jp_mover movers[JP_MOVERS_MAX];
     uint8_t count;
+    struct jp_movers_past past[2]; /**< the later one and the earlier one */
+    float past_age;                /**< of the later one, s */
 };
 
 /** Forgets all movers. Constant time. */

@@ -90,13 +90,38 @@ bool jp_patrol_trust_path(struct jp_patrol *patrol)
     return true;
 }
 
+static struct jp_plane_pose step_left(const struct jp_patrol *patrol)
+{
+    const struct jp_plane_pose target = {patrol->internal.step_target.x, patrol->internal.step_target.y,
+                                         patrol->pose.heading};
+
+    return jp_plane_relative(&patrol->pose, &target);
+}
+
+/* Of what is left of a step, above 0. */
+static void command_step(struct jp_patrol *patrol, const struct jp_plane_pose *remaining)
+{
+    const float away = jp_plane_length(remaining->x, remaining->y);
+    const float stopping = away / (2.0f * patrol->config.period);
+    const float rate = jp_plane_smaller(stopping, patrol->config.step_speed) / away;
+
+    patrol->internal.command.forward = rate * remaining->x;
+    patrol->internal.sideways = rate * remaining->y;
+}
+
+/* Who waits for people has to ask for a motion to learn that they have made way. */
 void jp_patrol_begin_step(struct jp_patrol *patrol)
 {
+    const struct jp_plane_pose remaining = step_left(patrol);
+
     patrol->internal.turns_after_step = false;
     if (jp_patrol_trust_path(patrol)) {
         jp_patrol_enter(patrol, JP_PATROL_STEPPING, JP_PATROL_NONE);
     }
     jp_patrol_stand(patrol);
+    if (patrol->state == JP_PATROL_STEPPING && patrol->internal.is_yielding) {
+        command_step(patrol, &remaining);
+    }
 }
 
 /* The wheels are steered at once. */
@@ -317,9 +342,7 @@ static void end_step(struct jp_patrol *patrol)
 
 void jp_patrol_step(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
-    const struct jp_plane_pose target = {patrol->internal.step_target.x, patrol->internal.step_target.y,
-                                         patrol->pose.heading};
-    const struct jp_plane_pose remaining = jp_plane_relative(&patrol->pose, &target);
+    const struct jp_plane_pose remaining = step_left(patrol);
     const float away = jp_plane_length(remaining.x, remaining.y);
 
     jp_patrol_stand(patrol);
@@ -333,10 +356,6 @@ void jp_patrol_step(struct jp_patrol *patrol, const struct jp_plane_speed *speed
     } else if (!jp_patrol_is_step_free(patrol, &remaining, step_clearance(&patrol->config))) {
         jp_patrol_wait(patrol, JP_PATROL_BLOCKED);
     } else {
-        const float stopping = away / (2.0f * patrol->config.period);
-        const float rate = (stopping < patrol->config.step_speed ? stopping : patrol->config.step_speed) / away;
-
-        patrol->internal.command.forward = rate * remaining.x;
-        patrol->internal.sideways = rate * remaining.y;
+        command_step(patrol, &remaining);
     }
 }

@@ -24,9 +24,11 @@
 /* Of a radius over what is seen of it: beams miss the rims, so that the middle of what is seen lies before its own. */
 #define WHOLE 1.4f
 
-/* Nobody alone is larger, m; sightings until a motion is heeded, and scans without one for which it still is. */
+/* Nobody alone is larger, m; sightings until a motion is heeded, of who was first seen where nothing had been too, and
+ * scans without one for which it still is. */
 #define PERSON_MAX    0.35f
 #define SIGHTINGS_MIN 4U
+#define ARRIVED_MIN   2U
 #define UNSEEN_MAX    5U
 
 /* Who seems to set off is faster than so many standard deviations of the velocity along an axis. */
@@ -232,6 +234,15 @@ static float way_back(float speed, float pace, float acceleration, float time)
                           : stopped - 0.5f * pace * to_pace - pace * (back - to_pace);
 }
 
+/* From the present place, after a time in which somebody at a speed goes on, and speeds up to their pace, m. */
+static float way_on(float speed, float pace, float acceleration, float time)
+{
+    const float faster = jp_plane_larger(pace - speed, 0.0f);
+    const float speeding_up = jp_plane_smaller(time, faster / acceleration);
+
+    return speed * time + faster * (time - speeding_up) + 0.5f * acceleration * speeding_up * speeding_up;
+}
+
 /* Where somebody may be after a time, along their walk, m: if they turned round as late as the robot could no longer
  * stop in time, or when they were last seen, and if they go on, and so much later. */
 static void find_place(const struct jp_patrol *patrol, const struct jp_mover *mover, float time, float stop, float gap,
@@ -248,7 +259,7 @@ static void find_place(const struct jp_patrol *patrol, const struct jp_mover *mo
     const float late = jp_plane_smaller(time, stop + notice) + unseen;
     const float turned = way_back(speed, mover->pace, people->acceleration, late);
     const float back = speed * (time - late) + turned;
-    const float on = is_walking ? speed * (time + gap) : -turned;
+    const float on = is_walking ? way_on(speed, mover->pace, people->acceleration, time + gap) : -turned;
     const float deviation = jp_plane_square_root(mover->speed_variance);
 
     place->vertices[0] = (struct jp_plane_point){mover->centre.x + back * along.x, mover->centre.y + back * along.y};
@@ -285,8 +296,9 @@ static bool may_be_setting_off(const struct jp_patrol *patrol, const struct jp_m
 {
     const float speed = jp_plane_length(mover->velocity.x, mover->velocity.y);
 
-    return mover->radius < PERSON_MAX && mover->sightings >= SIGHTINGS_MIN && mover->misses <= UNSEEN_MAX &&
-           speed > patrol->config.movers.speed_min && speed * speed > LIKELY * LIKELY * mover->speed_variance;
+    return mover->radius < PERSON_MAX && mover->sightings >= (mover->has_come ? ARRIVED_MIN : SIGHTINGS_MIN) &&
+           mover->misses <= UNSEEN_MAX && speed > patrol->config.movers.speed_min &&
+           speed * speed > LIKELY * LIKELY * mover->speed_variance;
 }
 
 /* Of those who are nobody who may walk on. */
@@ -314,6 +326,21 @@ static void look_at_stander(const struct jp_patrol *patrol, const struct jp_move
     }
 }
 
+/* Of who has waited for people: 0 at first, 1 in the end. */
+static float impatience(const struct jp_patrol *patrol)
+{
+    return jp_plane_clamp((patrol->internal.yielded - PATIENT) / (IMPATIENT - PATIENT), 0.0f, 1.0f);
+}
+
+/* That is kept from who walks: where people walk to and fro so near that it cannot leave with more, what it keeps from
+ * things. */
+static float walker_clearance(const struct jp_patrol *patrol)
+{
+    const float most = patrol->config.people.clearance;
+
+    return most - impatience(patrol) * jp_plane_larger(most - JP_PATROL_CLEARANCE, 0.0f);
+}
+
 /* At somebody who walks, or may, from a pose after a time. */
 static void look_at_walker(const struct jp_patrol *patrol, const struct jp_mover *mover,
                            const struct jp_plane_pose *pose, float time, float stop, struct yield_outlook *outlook)
@@ -321,11 +348,11 @@ static void look_at_walker(const struct jp_patrol *patrol, const struct jp_mover
     const struct jp_footprint *const footprint = &patrol->config.teb.footprint;
     struct jp_obstacle place;
 
-    find_place(patrol, mover, time, stop, GAP, &place);
+    find_place(patrol, mover, time, stop, GAP * (1.0f - impatience(patrol)), &place);
 
     const float distance = jp_obstacle_distance(footprint, pose, &place, NULL);
 
-    if (distance < TOUCH || (distance < patrol->config.people.clearance &&
+    if (distance < TOUCH || (distance < walker_clearance(patrol) &&
                              distance < jp_obstacle_distance(footprint, &patrol->pose, &place, NULL) - NEARER)) {
         outlook->is_free = false;
     }
@@ -417,14 +444,12 @@ static float nearest_if_braked(const struct jp_patrol *patrol, const struct yiel
 /* Never less than it takes to be at rest after somebody has turned round. */
 static float horizon_of(const struct jp_patrol *patrol, float speed)
 {
-    const float share = (patrol->internal.yielded - PATIENT) / (IMPATIENT - PATIENT);
-
-    return jp_plane_larger(HORIZON - (HORIZON - HORIZON_IMPATIENT) * jp_plane_clamp(share, 0.0f, 1.0f),
+    return jp_plane_larger(HORIZON - (HORIZON - HORIZON_IMPATIENT) * impatience(patrol),
                            NOTICE + time_to_rest(patrol, speed));
 }
 
-/* The highest speed that is safe; where none is, 0 if the robot is at rest before anybody touches it, else the speed at
- * which it stays farthest from people. */
+/* The highest speed that is safe; where none is, 0, unless the robot would be touched before it is at rest, and would
+ * not at another speed: then that at which it stays farthest from people. */
 static float safe_speed(const struct jp_patrol *patrol, float now)
 {
     /* Of the highest speed. */
@@ -435,7 +460,7 @@ static float safe_speed(const struct jp_patrol *patrol, float now)
     lay_out(patrol, &course);
 
     const float if_braked = nearest_if_braked(patrol, &course, now);
-    float nearest = if_braked;
+    float nearest = jp_plane_larger(if_braked, TOUCH);
 
     for (unsigned i = 0; i < sizeof shares / sizeof shares[0]; i++) {
         const float speed = patrol->config.teb.speed_max * shares[i];

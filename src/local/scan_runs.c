@@ -102,3 +102,19 @@ bool jp_scan_next_run(const struct jp_scan_view *view, unsigned beam, struct jp_
     }
     return true;
 }
+
+uint32_t jp_scan_beam_towards(const struct jp_scan_view *view, struct jp_plane_point place)
+{
+    const float bearing = jp_plane_bearing(place.x - view->first.x, place.y - view->first.y);
+    const float angle = jp_plane_wrap(bearing - view->first.heading);
+    const float turned = angle < 0.0f ? angle + 2.0f * JP_PLANE_PI : angle;
+
+    return (uint32_t)(turned / view->scan->angle_step);
+}
+
+bool jp_scan_reaches(const struct jp_scan_view *view, uint32_t beam, float distance)
+{
+    const float range = view->scan->ranges[beam] == 0.0f ? view->config->range_max : view->scan->ranges[beam];
+
+    return range > distance && jp_plane_is_finite(range);
+}

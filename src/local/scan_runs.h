@@ -32,4 +32,11 @@ struct jp_plane_point jp_scan_point(const struct jp_scan_view *view, unsigned be
 /** The first run from a beam on; false when there is none. */
 bool jp_scan_next_run(const struct jp_scan_view *view, unsigned beam, struct jp_scan_run *run);
 
+/** The beam towards a place; may be beyond those of the scan. */
+uint32_t jp_scan_beam_towards(const struct jp_scan_view *view, struct jp_plane_point place);
+
+/** Whether a beam, one of the scan, sees farther than a distance, m. One that saw nothing tells no more than that
+ * nothing is within range. */
+bool jp_scan_reaches(const struct jp_scan_view *view, uint32_t beam, float distance);
+
 #endif

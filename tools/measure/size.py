@@ -44,7 +44,7 @@ MODULES = {
     "pure pursuit": r"src/four_wheel/pure_pursuit",
     "plane": r"src/base/plane",
     "obstacles": r"src/local/(obstacle\w*|scan_(runs|shapes))",
-    "movers": r"src/local/movers",
+    "movers": r"src/local/movers(_\w+)?",
     "timed elastic band": r"src/(local/teb(_\w+)?|base/config_float_check)",
     "patrol mission": r"src/local/patrol_(approach|marks|mission)",
     "patrol": r"src/local/patrol(_\w+)?",

@@ -79,6 +79,27 @@ static void test_a_step_that_stands_for_people_is_thought_over(void)
     rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
 }
 
+/* It would not learn that they have if it only stood before a step. */
+static void test_who_waits_for_people_steps_as_soon_as_they_have_made_way(void)
+{
+    rig_go(0.05f, 0.3f);
+    patrol.movers.movers[0] = (struct jp_mover){.centre = {5.0f, 0.0f},
+                                                .velocity = {1.0f, 0.0f},
+                                                .walk = {1.0f, 0.0f},
+                                                .pace = 1.0f,
+                                                .radius = 0.2f,
+                                                .sightings = 10};
+    patrol.movers.count = 1;
+    patrol.internal.is_yielding = true;
+    rig_cycle();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    TEST_ASSERT_FALSE(patrol.internal.is_yielding);
+    TEST_ASSERT_TRUE(rig_from_q24(twist.y) > 0.9f * config.step_speed);
+    rig_cycles(3);
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(robot.y > 0.06f);
+}
+
 static void test_step_ends_when_the_robot_stands(void)
 {
     leave_the_bay();

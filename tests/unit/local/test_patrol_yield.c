@@ -144,6 +144,24 @@ static void test_it_waits_for_who_seems_to_set_off(void)
     }
 }
 
+/* What has come to where nothing was is heeded as soon as it is known how it moves. */
+static void test_it_waits_for_who_has_come_into_sight(void)
+{
+    for (unsigned i = 0; i < 2U; i++) {
+        struct jp_mover *mover;
+
+        setUp();
+        mover = put_who_sets_off();
+        mover->has_come = true;
+        mover->sightings = 2U - (uint8_t)i;
+        if (i == 0U) {
+            TEST_ASSERT_TRUE(yielded() <= 0.1501f * FAST);
+        } else {
+            expect_free();
+        }
+    }
+}
+
 static void test_who_stands_for_long_stays(void)
 {
     struct jp_mover *const person = put_stander(1.2f, 0.9f, 0.0f, 1.0f);
@@ -223,6 +241,18 @@ static void test_pace_says_how_far_somebody_comes(void)
 {
     (void)put_stander(1.2f, -1.8f, 0.0f, 0.31f);
     expect_free();
+}
+
+/* Somebody who has just turned round, or sets off, is soon as fast as they were. */
+static void test_it_expects_who_is_slow_to_walk_as_fast_as_before(void)
+{
+    struct jp_mover *const person = put_walker(1.2f, -2.8f, 0.0f, 0.4f);
+
+    expect_free();
+    person->pace = 1.2f;
+    patrol.internal.command.forward = FAST;
+    TEST_ASSERT_TRUE(yielded() < FAST);
+    TEST_ASSERT_TRUE(patrol.internal.is_yielding);
 }
 
 /* Not seen for a second and a half: they may have turned round when they were last seen. */
@@ -377,11 +407,19 @@ static void test_it_is_no_faster_than_the_band(void)
  * that drives on is gone. */
 static void test_it_drives_on_where_braking_is_worse(void)
 {
+    (void)put_walker(0.15f, 2.4f, 0.0f, -1.4f);
+    measured.forward = FAST;
+    TEST_ASSERT_TRUE(yielded() > 0.5f * FAST);
+}
+
+/* One that drives on would be touched too, only farther from their middle: at a stand it does less harm. */
+static void test_it_brakes_where_it_is_touched_anyway(void)
+{
     struct jp_mover *const person = put_walker(0.3f, 1.75f, 0.0f, -1.4f);
 
     person->speed_variance = 0.04f;
     measured.forward = FAST;
-    TEST_ASSERT_TRUE(yielded() > 0.5f * FAST);
+    expect_stand();
 }
 
 /* A thing beside them changes nothing. */
@@ -680,5 +718,32 @@ static void test_who_has_waited_for_long_takes_a_shorter_gap(void)
     expect_slower();
     patrol.internal.command = (struct jp_plane_speed){FAST, 0.0f};
     patrol.internal.yielded = 40.0f;
+    TEST_ASSERT_NEAR(NEAR, FAST, yielded());
+}
+
+/* Nearer than it would like to, but no nearer than to a thing. */
+static void test_who_has_waited_for_long_passes_nearer_to_where_somebody_walks(void)
+{
+    const float waited[] = {0.0f, 40.0f, 40.0f};
+    const float aside[] = {0.78f, 0.78f, 0.65f};
+
+    for (unsigned i = 0; i < 3U; i++) {
+        setUp();
+        patrol.internal.yielded = waited[i];
+        (void)put_walker(2.0f, aside[i], 0.5f, 0.0f);
+        if (i == 1U) {
+            TEST_ASSERT_NEAR(NEAR, FAST, yielded());
+        } else {
+            expect_slower();
+        }
+    }
+}
+
+/* A robot whose file asks for less of people than of things keeps that. */
+static void test_who_keeps_little_keeps_it_however_long_it_has_waited(void)
+{
+    patrol.config.people.clearance = 0.05f;
+    patrol.internal.yielded = 40.0f;
+    (void)put_walker(2.0f, 0.7f, 0.5f, 0.0f);
     TEST_ASSERT_NEAR(NEAR, FAST, yielded());
 }
