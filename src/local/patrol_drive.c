@@ -258,10 +258,24 @@ static void arrive(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
     }
     if (goal_heading_error(patrol) > patrol->config.heading_tolerance) {
         jp_patrol_turn_to(patrol, patrol->internal.goal.pose.heading);
-    } else if (goal_distance(patrol) > patrol->config.position_tolerance && jp_patrol_find_step_to_goal(patrol)) {
+    } else if (goal_distance(patrol) <= patrol->config.position_tolerance) {
+        jp_patrol_enter(patrol, JP_PATROL_ARRIVED, JP_PATROL_NONE);
+    } else if (jp_patrol_find_last_step(patrol)) {
         jp_patrol_begin_step(patrol);
     } else {
-        jp_patrol_enter(patrol, JP_PATROL_ARRIVED, JP_PATROL_NONE);
+        jp_patrol_wait(patrol, JP_PATROL_BLOCKED);
+    }
+}
+
+/* A band keeps more from things than a step needs: before a goal between things it may stand. */
+static void wait_or_step(struct jp_patrol *patrol, const struct jp_patrol_window *window,
+                         const struct jp_plane_speed *speed, enum jp_patrol_reason reason)
+{
+    if (reason == JP_PATROL_BLOCKED && window->is_goal && patrol->config.turns_in_place &&
+        jp_patrol_is_standing(speed) && jp_patrol_find_last_step(patrol)) {
+        jp_patrol_begin_step(patrol);
+    } else {
+        jp_patrol_wait(patrol, reason);
     }
 }
 
@@ -288,7 +302,7 @@ void jp_patrol_drive(struct jp_patrol *patrol, const struct jp_plane_speed *spee
     } else if (jp_patrol_glide_in(patrol, &window)) {
         jp_patrol_correct_pose(patrol);
     } else if (!plan_band(patrol, &window, speed, &reason)) {
-        jp_patrol_wait(patrol, reason);
+        wait_or_step(patrol, &window, speed, reason);
     } else if (!jp_patrol_trust_path(patrol)) {
         jp_patrol_stand(patrol);
     } else {

@@ -11,9 +11,10 @@ float jp_patrol_cell(const struct jp_terrain *map);
 /** The cell that a coordinate, m, lies in. */
 int32_t jp_patrol_cell_at(const struct jp_terrain *map, float coordinate);
 
-/** Marks what a scan saw from the scanner's pose; what its beams went through is as on the given map again, and an end
- *  within the tolerance of their error, m, but no more than a cell, from what stands on the given map is that. Work:
- *  cells along all beams, each as far as the map is long. */
+/** Marks what a scan saw from the scanner's pose, behind its face by the tolerance of the beams' error, m, but no more
+ *  than a cell: where a face is the border of a cell, the free cell before it is none. What the beams went through up
+ * to where they may end is as on the given map again, and an end within the tolerance of what stands on the given map
+ * is that. Work: cells along all beams, each as far as the map is long. */
 void jp_patrol_mark(const struct jp_terrain *given, struct jp_terrain *marked, const struct jp_scan *scan,
                     const struct jp_plane_pose *scanner, float tolerance);
 
