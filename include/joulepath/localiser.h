@@ -15,11 +15,14 @@
  *
  * Where the map shows nothing within range and the beams see nothing, the scan agrees with the map, whatever stands
  * there besides: in the open the robot goes on by its wheels however uncertain it becomes, as no stand would tell where
- * it is, and is lost by that only where there are walls to find itself by.
+ * it is, and is lost by that only where there are walls to find itself by, until it has searched where it may be.
  *
  * A robot that is lost searches the whole map, in slices: branch and bound over positions and headings, with the
  * distances as bounds. It stays lost while several places explain the scan alike, or none does. A robot that is not
- * lost but uncertain searches where it may be, for a place to lay the scan over.
+ * lost but uncertain searches where it may be, for a place to lay the scan over. Where it finds several, or none, no
+ * stand would tell either, and who is lost by nothing but its uncertainty goes on by its wheels. Beyond the uncertainty
+ * that the configuration allows, a scan that fits where the wheels say may be laid over other walls that look alike:
+ * the pose follows it, and is told as uncertain as before until a search finds one place alone.
  *
  * Memory: one block of the caller: a byte a cell of the map, a byte a row, and 1 440 B for a scan. Single-precision
  * floating point: part of libjoulepath_float. Nothing here is for ISRs.
@@ -65,7 +68,7 @@ enum jp_localiser_reason {
     JP_LOCALISER_UNEXPLAINED,  /**< the map explains too little of it: people or things around the robot */
     JP_LOCALISER_CONTRADICTED, /**< beams pass through walls: the robot was carried away, or the map is another */
     JP_LOCALISER_JUMPED,       /**< the scan fits the map, but away from where odometry allows */
-    JP_LOCALISER_UNCERTAIN,    /**< not in the open, and more uncertain than the configuration allows */
+    JP_LOCALISER_UNCERTAIN,    /**< not in the open, more uncertain than the configuration allows, and not searched */
     JP_LOCALISER_SEARCHING,    /**< the map is searched */
     JP_LOCALISER_AMBIGUOUS,    /**< several places explain the scan alike: it takes one from elsewhere */
     JP_LOCALISER_NOWHERE       /**< no place explains it */
@@ -181,6 +184,10 @@ struct jp_localiser_internal {
     struct jp_plane_pose since; /* motion since the scan that is searched for */
     uint16_t waited;            /* scans since the last search */
     bool has_place;             /* it found one, which the next scan may confirm */
+    bool has_drifted;           /* it is lost by nothing but its uncertainty */
+    bool has_searched;          /* where it may be, since the last fit */
+    float rival_distance;       /* how far off places are that look alike, standard deviation, m; 0: there are none */
+    float rival_turn;           /* rad */
 };
 
 /** The members but `internal` may be read. */
@@ -190,9 +197,9 @@ struct jp_localiser {
     enum jp_localiser_reason reason;
     bool is_new_place;         /**< the last scan found the robot again, or farther away than JP_LOCALISER_NEW_PLACE */
     struct jp_plane_pose pose; /**< of the robot in the map's frame; while LOST as odometry goes on */
-    float covariance[3][3];    /**< of x, y, m, and the heading, rad */
-    float position_deviation;  /**< in the direction in which it is largest, m */
-    float heading_deviation;   /**< rad */
+    float covariance[3][3];    /**< of x, y, m, and the heading, rad, about the place that it is taken to be at */
+    float position_deviation;  /**< in the direction in which it is largest, and of places that look alike, m */
+    float heading_deviation;   /**< likewise, rad */
     struct jp_localiser_view view;
     struct jp_localiser_counts counts;
     struct jp_localiser_internal internal;
@@ -216,9 +223,9 @@ enum jp_status jp_localiser_start(struct jp_localiser *localiser, const struct j
  *  times; where the scan does not fit, also the cells along the beams that see nothing. */
 enum jp_status jp_localiser_update(struct jp_localiser *localiser, const struct jp_localiser_input *input);
 
-/** Continues the search of a robot that is lost by the work of so many nodes, each of JP_LOCALISER_SEARCH_POINTS or fewer
- * readings of the field. A closer look, where a place may be, counts as 60 of them; the last one may go beyond. True
- * while there is more to do. */
+/** Continues the search of a robot that is lost by the work of so many nodes, each of JP_LOCALISER_SEARCH_POINTS or
+ * fewer readings of the field. A closer look, where a place may be, counts as 60 of them; the last one may go beyond.
+ * True while there is more to do. */
 bool jp_localiser_work(struct jp_localiser *localiser, unsigned nodes);
 
 #ifdef __cplusplus

@@ -171,6 +171,7 @@ struct jp_patrol_internal {
     float turn_remaining; /**< rad; beyond half a turn when it goes round the longer side */
     struct jp_plane_point step_target;
     bool turns_after_step;   /**< to turn_target, for which the step made room */
+    float step_clearance;    /**< with which the way there was found, m */
     float glide_heading;     /**< at which a glide ends */
     float glide_least;       /**< clearance that it keeps, m */
     bool is_setting_off;     /**< the glide began at a stand, at step_target */

@@ -83,14 +83,32 @@ static void enter(struct jp_localiser *localiser, enum jp_localiser_state state,
 
 /* ---- Covariance ---- */
 
-static void report_deviations(struct jp_localiser *localiser)
+/* Of the place that the robot is taken to be at. */
+static float position_deviation(const struct jp_localiser *localiser)
 {
     const float xx = localiser->covariance[0][0];
     const float xy = localiser->covariance[0][1];
     const float yy = localiser->covariance[1][1];
 
-    localiser->position_deviation = jp_plane_square_root(0.5f * (xx + yy + jp_plane_length(xx - yy, 2.0f * xy)));
-    localiser->heading_deviation = jp_plane_square_root(localiser->covariance[2][2]);
+    return jp_plane_square_root(0.5f * (xx + yy + jp_plane_length(xx - yy, 2.0f * xy)));
+}
+
+static float heading_deviation(const struct jp_localiser *localiser)
+{
+    return jp_plane_square_root(localiser->covariance[2][2]);
+}
+
+static void report_deviations(struct jp_localiser *localiser)
+{
+    const struct jp_localiser_internal *const self = &localiser->internal;
+
+    localiser->position_deviation = jp_plane_length(position_deviation(localiser), self->rival_distance);
+    localiser->heading_deviation = jp_plane_length(heading_deviation(localiser), self->rival_turn);
+}
+
+static bool has_rivals(const struct jp_localiser *localiser)
+{
+    return localiser->internal.rival_distance > 0.0f;
 }
 
 static void set_pose(struct jp_localiser *localiser, const struct jp_plane_pose *pose, float distance, float turn)
@@ -101,6 +119,8 @@ static void set_pose(struct jp_localiser *localiser, const struct jp_plane_pose 
     localiser->covariance[2][2] = square(turn);
     localiser->pose = *pose;
     localiser->pose.heading = jp_plane_wrap(pose->heading);
+    localiser->internal.rival_distance = 0.0f;
+    localiser->internal.rival_turn = 0.0f;
     report_deviations(localiser);
 }
 
@@ -195,7 +215,7 @@ static float noise_of(const struct jp_localiser *localiser)
 /* How far ends of beams may be off by the uncertainty of the pose, m. */
 static float spread_of(const struct jp_localiser *localiser)
 {
-    return 2.0f * localiser->position_deviation + localiser->internal.reach * localiser->heading_deviation;
+    return 2.0f * position_deviation(localiser) + localiser->internal.reach * heading_deviation(localiser);
 }
 
 /* The spread, in gates of a match. */
@@ -220,6 +240,7 @@ struct attempt {
     struct jp_localiser_fit fit;
     struct jp_localiser_view view;
     bool is_searched; /* it is the best of the places where the robot may be */
+    bool is_alone;    /* it is the only one that a search found */
 };
 
 static void attempt(const struct jp_localiser *localiser, const struct jp_localiser_prior *prior,
@@ -258,8 +279,22 @@ static void match(struct jp_localiser *localiser, struct jp_localiser_prior *pri
             best->fit = other.fit;
             best->view = other.view;
         }
+        best->is_alone = jp_localiser_search_is_same(&best->fit.pose, &prior->start);
         self->has_place = false;
+    } else {
+        best->is_alone = false;
     }
+}
+
+/* More uncertain than is allowed. */
+static bool is_far(const struct jp_localiser *localiser, float distance, float turn)
+{
+    return distance > localiser->config.lost_distance || turn > localiser->config.lost_turn;
+}
+
+static bool is_beyond(const struct jp_localiser *localiser)
+{
+    return is_far(localiser, position_deviation(localiser), heading_deviation(localiser));
 }
 
 /* The more uncertain the pose, the more of the beams the map must explain. */
@@ -272,11 +307,10 @@ static bool is_enough(const struct jp_localiser *localiser, const struct attempt
 }
 
 /* What the last scan tells of the pose, and whether it may be believed. */
-static enum jp_localiser_reason judge(struct jp_localiser *localiser, struct jp_localiser_fit *fit)
+static enum jp_localiser_reason judge(struct jp_localiser *localiser, struct attempt *best)
 {
     struct jp_localiser_internal *const self = &localiser->internal;
     struct jp_localiser_prior prior = {.pose = localiser->pose, .start = localiser->pose, .noise = noise_of(localiser)};
-    struct attempt best;
 
     (void)memset(&localiser->view, 0, sizeof localiser->view);
     if (self->cloud.count < POINTS_MIN) {
@@ -284,24 +318,25 @@ static enum jp_localiser_reason judge(struct jp_localiser *localiser, struct jp_
     }
     (void)jp_localiser_invert(localiser->covariance, prior.information);
     prior.weak = is_wide(localiser) ? WEAK : 0.0f;
-    match(localiser, &prior, &best);
-    *fit = best.fit;
-    localiser->view = best.view;
+    match(localiser, &prior, best);
+    localiser->view = best->view;
 
-    const float beams = (float)best.view.beams;
+    const float beams = (float)best->view.beams;
 
-    if ((float)best.view.beyond > BEYOND_MAX * beams ||
-        (float)best.view.beyond + (float)best.view.behind > THROUGH_MAX * beams) {
+    if ((float)best->view.beyond > BEYOND_MAX * beams ||
+        (float)best->view.beyond + (float)best->view.behind > THROUGH_MAX * beams) {
         return JP_LOCALISER_CONTRADICTED;
     }
-    if (!is_enough(localiser, &best)) {
+    if (!is_enough(localiser, best)) {
         return JP_LOCALISER_UNEXPLAINED;
     }
-    return fit->surprise > SURPRISE_MAX ? JP_LOCALISER_JUMPED : JP_LOCALISER_NONE;
+    return best->fit.surprise > SURPRISE_MAX ? JP_LOCALISER_JUMPED : JP_LOCALISER_NONE;
 }
 
 static void drop_search(struct jp_localiser *localiser)
 {
+    localiser->internal.has_drifted = false;
+    localiser->internal.has_searched = false;
     localiser->internal.is_near = true;
     localiser->internal.unexplained = 0;
     localiser->internal.doubts = 0;
@@ -310,17 +345,39 @@ static void drop_search(struct jp_localiser *localiser)
     localiser->internal.waited = WAIT_SCANS;
 }
 
-static void correct(struct jp_localiser *localiser, struct jp_localiser_fit *fit)
+/* A scan that leads a robot which may be far off to a place may lead it to one of several: things that the map does not
+ * show may look like another one's walls. The place that is found alone from there again is the one. */
+static void judge_rivals(struct jp_localiser *localiser, const struct attempt *best, float distance, float turn)
 {
+    struct jp_localiser_internal *const self = &localiser->internal;
+
+    if (is_far(localiser, distance, turn) && !is_beyond(localiser)) {
+        self->rival_distance = jp_plane_length(distance, self->rival_distance);
+        self->rival_turn = jp_plane_length(turn, self->rival_turn);
+    } else if (best->is_alone) {
+        self->rival_distance = 0.0f;
+        self->rival_turn = 0.0f;
+    } else {
+        /* As it was. */
+    }
+    report_deviations(localiser);
+}
+
+static void correct(struct jp_localiser *localiser, struct attempt *best)
+{
+    struct jp_localiser_fit *const fit = &best->fit;
     const struct jp_plane_pose *const before = &localiser->pose;
     const float way = jp_plane_length(fit->pose.x - before->x, fit->pose.y - before->y);
     const float turn = jp_plane_magnitude(jp_plane_wrap(fit->pose.heading - before->heading));
+    const float distance = position_deviation(localiser);
+    const float heading = heading_deviation(localiser);
 
     localiser->is_new_place = localiser->state == JP_LOCALISER_LOST || localiser->internal.has_jumped ||
                               jp_plane_larger(way, turn) > JP_LOCALISER_NEW_PLACE;
     localiser->pose = fit->pose;
     (void)jp_localiser_invert(fit->information, localiser->covariance);
-    report_deviations(localiser);
+    judge_rivals(localiser, best, distance, heading);
+    localiser->internal.has_searched = false;
     localiser->counts.fits++;
     localiser->internal.has_jumped = false;
     localiser->internal.doubts = 0;
@@ -341,12 +398,13 @@ static bool is_in_the_open(const struct jp_localiser_view *view)
     return (float)view->open > OPEN * ((float)view->beams + (float)view->empty);
 }
 
-/* Beyond what is allowed where there are walls to find itself by. */
+/* Where there are walls to find itself by, and it has not searched where it may be. */
 static bool is_uncertain(const struct jp_localiser *localiser)
 {
-    return (localiser->position_deviation > localiser->config.lost_distance ||
-            localiser->heading_deviation > localiser->config.lost_turn) &&
-           !is_in_the_open(&localiser->view);
+    const struct jp_localiser_internal *const self = &localiser->internal;
+
+    return is_beyond(localiser) && !is_in_the_open(&localiser->view) &&
+           !(self->has_searched && self->cloud.count >= SEARCH_POINTS_MIN);
 }
 
 /* Whether next to nothing of a scan is on the map: where nothing is to be seen, seeing nothing is. */
@@ -381,6 +439,7 @@ static void doubt(struct jp_localiser *localiser, enum jp_localiser_reason reaso
         lose(localiser, reason);
     } else if (is_uncertain(localiser)) {
         lose(localiser, JP_LOCALISER_UNCERTAIN);
+        localiser->internal.has_drifted = true;
     } else {
         enter(localiser, JP_LOCALISER_DEGRADED, reason);
     }
@@ -434,15 +493,16 @@ static void search_lost(struct jp_localiser *localiser)
 
 static void track(struct jp_localiser *localiser, const struct jp_localiser_input *input)
 {
-    struct jp_localiser_fit fit;
-    const enum jp_localiser_reason reason = judge(localiser, &fit);
+    struct attempt best;
+    const enum jp_localiser_reason reason = judge(localiser, &best);
 
     if (reason == JP_LOCALISER_NONE) {
-        correct(localiser, &fit);
+        correct(localiser, &best);
     } else {
         doubt(localiser, reason, input);
     }
-    if (localiser->state != JP_LOCALISER_LOST && is_wide(localiser) && is_search_due(localiser)) {
+    if (localiser->state != JP_LOCALISER_LOST && (is_wide(localiser) || has_rivals(localiser)) &&
+        is_search_due(localiser)) {
         search_around(localiser);
     }
 }
@@ -452,11 +512,11 @@ static void confirm(struct jp_localiser *localiser)
 {
     const struct jp_plane_pose pose =
         jp_plane_compose(&localiser->internal.search.places[0].pose, &localiser->internal.since);
-    struct jp_localiser_fit fit;
+    struct attempt best;
 
     set_pose(localiser, &pose, FOUND_DISTANCE, FOUND_TURN);
-    if (judge(localiser, &fit) == JP_LOCALISER_NONE) {
-        correct(localiser, &fit);
+    if (judge(localiser, &best) == JP_LOCALISER_NONE) {
+        correct(localiser, &best);
     } else {
         enter(localiser, JP_LOCALISER_LOST, JP_LOCALISER_NOWHERE);
     }
@@ -473,15 +533,19 @@ static void look_for_place(struct jp_localiser *localiser)
     }
 }
 
+/* Who has drifted goes on, with the place that was found where there is one. */
 static void end_search(struct jp_localiser *localiser)
 {
-    const enum jp_localiser_finding finding = jp_localiser_search_finding(&localiser->internal.search);
-    const bool is_lost = localiser->state == JP_LOCALISER_LOST;
+    struct jp_localiser_internal *const self = &localiser->internal;
+    const enum jp_localiser_finding finding = jp_localiser_search_finding(&self->search);
+    const enum jp_localiser_reason reason = finding == JP_LOCALISER_NO_PLACE      ? JP_LOCALISER_NOWHERE
+                                            : finding == JP_LOCALISER_MANY_PLACES ? JP_LOCALISER_AMBIGUOUS
+                                                                                  : JP_LOCALISER_SEARCHING;
 
-    localiser->internal.has_place = finding == JP_LOCALISER_ONE_PLACE;
-    if (is_lost && finding != JP_LOCALISER_ONE_PLACE) {
-        enter(localiser, JP_LOCALISER_LOST,
-              finding == JP_LOCALISER_MANY_PLACES ? JP_LOCALISER_AMBIGUOUS : JP_LOCALISER_NOWHERE);
+    self->has_place = finding == JP_LOCALISER_ONE_PLACE;
+    self->has_searched = true;
+    if (localiser->state == JP_LOCALISER_LOST) {
+        enter(localiser, self->has_drifted ? JP_LOCALISER_DEGRADED : JP_LOCALISER_LOST, reason);
     }
 }
 

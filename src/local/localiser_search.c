@@ -146,10 +146,15 @@ static bool is_known(const struct jp_localiser_search *search, const struct jp_p
     return is_near;
 }
 
+bool jp_localiser_search_is_same(const struct jp_plane_pose *a, const struct jp_plane_pose *b)
+{
+    return are_near(a, b, APART, APART_TURN);
+}
+
 void jp_localiser_search_keep(struct jp_localiser_search *search, const struct jp_localiser_place *place)
 {
     struct jp_localiser_place *const places = search->places;
-    const bool is_apart = !are_near(&places[0].pose, &place->pose, APART, APART_TURN);
+    const bool is_apart = !jp_localiser_search_is_same(&places[0].pose, &place->pose);
 
     if (place->score > places[0].score) {
         places[1] = is_apart ? places[0] : places[1];

@@ -20,6 +20,9 @@ void jp_localiser_search_begin(struct jp_localiser_search *search, const struct 
 unsigned jp_localiser_search_work(struct jp_localiser_search *search, const struct jp_wall_field *field,
                                   const struct jp_terrain *map, float noise, unsigned nodes);
 
+/** Whether two poses are one place. */
+bool jp_localiser_search_is_same(const struct jp_plane_pose *a, const struct jp_plane_pose *b);
+
 /** Keeps a place if it is the best one, or the best apart from that. */
 void jp_localiser_search_keep(struct jp_localiser_search *search, const struct jp_localiser_place *place);
 

@@ -209,6 +209,7 @@ static bool find_step_aside(struct jp_patrol *patrol, const struct jp_plane_spee
 {
     struct jp_patrol_step_search search = {.heading = patrol->pose.heading, .clearance = patrol->config.teb.clearance};
 
+    patrol->internal.step_clearance = jp_patrol_step_clearance(&patrol->config);
     if (!patrol->config.turns_in_place || !jp_patrol_is_standing(speed) ||
         jp_patrol_clearance(patrol, &patrol->pose) <= -DOUBT) {
         return false;

@@ -260,8 +260,7 @@ static bool is_step_cheapest(const struct jp_patrol *patrol, const struct jp_pat
             goal->is_heading_free ? 0.0f : jp_plane_magnitude(jp_plane_wrap(goal->pose.heading - window->direction)),
         .error = goal_heading_error(patrol)};
 
-    return patrol->config.strategy != (uint8_t)JP_PATROL_BY_COST ||
-           jp_patrol_is_step_cheapest(&patrol->config, &near);
+    return patrol->config.strategy != (uint8_t)JP_PATROL_BY_COST || jp_patrol_is_step_cheapest(&patrol->config, &near);
 }
 
 /* Of a robot that stands: with the heading that it has, or that of the goal, if that is free and takes least. */
@@ -284,12 +283,18 @@ static void turn_first(struct jp_patrol *patrol, const struct jp_patrol_window *
     }
 }
 
-/* No band leads on. */
-static void stop_short(struct jp_patrol *patrol, const struct jp_patrol_window *window,
-                       const struct jp_plane_speed *speed, enum jp_patrol_reason reason)
+/* A band keeps more from things than a step needs: before a goal between things it may stand. */
+static void wait_or_step(struct jp_patrol *patrol, const struct jp_patrol_window *window,
+                         const struct jp_plane_speed *speed, enum jp_patrol_reason reason)
 {
-    if (!patrol->config.turns_in_place || !window->is_goal || !jp_patrol_is_standing(speed) ||
-        !step_to_goal(patrol, window)) {
+    const bool may_step =
+        reason == JP_PATROL_BLOCKED && window->is_goal && patrol->config.turns_in_place && jp_patrol_is_standing(speed);
+
+    if (may_step && step_to_goal(patrol, window)) {
+        /* Or turns before it. */
+    } else if (may_step && jp_patrol_find_last_step(patrol)) {
+        jp_patrol_begin_step(patrol);
+    } else {
         jp_patrol_wait(patrol, reason);
     }
 }
@@ -303,10 +308,12 @@ static void arrive(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
     }
     if (goal_heading_error(patrol) > patrol->config.heading_tolerance) {
         jp_patrol_turn_to(patrol, patrol->internal.goal.pose.heading);
-    } else if (goal_distance(patrol) > patrol->config.position_tolerance && jp_patrol_find_step_to_goal(patrol)) {
+    } else if (goal_distance(patrol) <= patrol->config.position_tolerance) {
+        jp_patrol_enter(patrol, JP_PATROL_ARRIVED, JP_PATROL_NONE);
+    } else if (jp_patrol_find_last_step(patrol)) {
         jp_patrol_begin_step(patrol);
     } else {
-        jp_patrol_enter(patrol, JP_PATROL_ARRIVED, JP_PATROL_NONE);
+        jp_patrol_wait(patrol, JP_PATROL_BLOCKED);
     }
 }
 
@@ -334,7 +341,7 @@ void jp_patrol_drive(struct jp_patrol *patrol, const struct jp_plane_speed *spee
     } else if (jp_patrol_glide_in(patrol, &window)) {
         jp_patrol_correct_pose(patrol);
     } else if (!plan_band(patrol, &window, speed, &reason)) {
-        stop_short(patrol, &window, speed, reason);
+        wait_or_step(patrol, &window, speed, reason);
     } else if (is_cornered(patrol) && jp_patrol_make_room(patrol, band_heading(patrol), jp_patrol_is_standing(speed))) {
         /* It brakes, or turns or steps to where it can go on. */
     } else if (!jp_patrol_trust_path(patrol)) {

@@ -61,17 +61,19 @@ static int32_t steps_of(float length)
     return (float)whole < length ? whole + 1 : whole;
 }
 
-static void clear_along(const struct jp_terrain *given, struct jp_terrain *marked, const struct beam *beam)
+/* Up to where its end may be. */
+static void clear_along(const struct jp_terrain *given, struct jp_terrain *marked, const struct beam *beam,
+                        float tolerance)
 {
-    const float side = jp_patrol_cell(given);
+    const float step = 0.5f * jp_patrol_cell(given);
     const float range = jp_plane_clamp(beam->range, 0.0f, reach_of(given));
-    const int32_t steps = steps_of((range - 1.5f * side) / (0.5f * side));
+    const int32_t steps = steps_of((range - tolerance) / step);
 
     for (int32_t i = 0; i < steps; i++) {
         int32_t x;
         int32_t y;
 
-        find_cell(given, beam, 0.5f * side * (float)i, &x, &y);
+        find_cell(given, beam, step * (float)i, &x, &y);
         (void)jp_terrain_set_cell(marked, x, y, jp_terrain_cell(given, x, y));
     }
 }
@@ -92,26 +94,34 @@ static bool is_beside(const struct jp_terrain *map, struct jp_plane_point point,
     return false;
 }
 
+static struct jp_plane_point point_at(const struct beam *beam, float range)
+{
+    return (struct jp_plane_point){beam->origin.x + range * beam->direction.x,
+                                   beam->origin.y + range * beam->direction.y};
+}
+
+/* A thing is behind its face: where this is the border of a cell, noise must not put it into the free one before it. */
 static void mark_end(const struct jp_terrain *given, struct jp_terrain *marked, const struct beam *beam,
                      float tolerance)
 {
-    const struct jp_plane_point end = {beam->origin.x + beam->range * beam->direction.x,
-                                       beam->origin.y + beam->range * beam->direction.y};
+    const float reach = jp_plane_smaller(tolerance, jp_patrol_cell(given));
 
-    if (!is_beside(given, end, jp_plane_smaller(tolerance, jp_patrol_cell(given)))) {
-        (void)jp_terrain_set_cell(marked, jp_patrol_cell_at(given, end.x), jp_patrol_cell_at(given, end.y),
+    if (!is_beside(given, point_at(beam, beam->range), reach)) {
+        const struct jp_plane_point behind = point_at(beam, beam->range + reach);
+
+        (void)jp_terrain_set_cell(marked, jp_patrol_cell_at(given, behind.x), jp_patrol_cell_at(given, behind.y),
                                   JP_CELL_OCCUPIED);
     }
 }
 
 void jp_patrol_clear_ways(const struct jp_terrain *given, struct jp_terrain *marked, const struct jp_scan *scan,
-                          const struct jp_plane_pose *scanner, uint16_t first, uint16_t end)
+                          const struct jp_plane_pose *scanner, float tolerance, uint16_t first, uint16_t end)
 {
     struct beam beam;
 
     for (uint16_t i = first; i < end; i++) {
         if (find_beam(scan, scanner, i, &beam)) {
-            clear_along(given, marked, &beam);
+            clear_along(given, marked, &beam, tolerance);
         }
     }
 }

@@ -11,13 +11,15 @@ float jp_patrol_cell(const struct jp_terrain *map);
 /** The cell that a coordinate, m, lies in. */
 int32_t jp_patrol_cell_at(const struct jp_terrain *map, float coordinate);
 
-/** What the beams from one to before another went through from the scanner's pose is as on the given map again. Work:
- *  cells along the beams, each as far as the map is long. */
+/** What the beams from one to before another went through from the scanner's pose, up to where they may end by the
+ *  tolerance of their error, m, is as on the given map again. Work: cells along the beams, each as far as the map is
+ *  long. */
 void jp_patrol_clear_ways(const struct jp_terrain *given, struct jp_terrain *marked, const struct jp_scan *scan,
-                          const struct jp_plane_pose *scanner, uint16_t first, uint16_t end);
+                          const struct jp_plane_pose *scanner, float tolerance, uint16_t first, uint16_t end);
 
-/** Then, marks what the scan saw at the ends of all beams; one within the tolerance of their error, m, but no more than a
- *  cell, from what stands on the given map is that. Work: a few cells at each end. */
+/** Then, marks what the scan saw at the ends of all beams, behind its face by the tolerance, but no more than a cell:
+ *  where a face is the border of a cell, the free cell before it is none. An end within the tolerance of what stands on
+ *  the given map is that. Work: a few cells at each end. */
 void jp_patrol_mark_ends(const struct jp_terrain *given, struct jp_terrain *marked, const struct jp_scan *scan,
                          const struct jp_plane_pose *scanner, float tolerance);
 

@@ -596,8 +596,8 @@ static void take_scan(struct jp_patrol_mission *mission, const struct jp_patrol_
     mission->internal.scanner = jp_plane_compose(&mission->patrol.pose, &input->sensor);
 }
 
-/* Marks what the scan shows, if there is one, and then goes on with what it is for. A map must not change while a path is
- * looked for. */
+/* Marks what the scan shows, if there is one, and then goes on with what it is for. A map must not change while a path
+ * is looked for. */
 static void begin_marks(struct jp_patrol_mission *mission, const struct jp_patrol_input *input,
                         enum jp_patrol_marks marks)
 {
@@ -630,7 +630,7 @@ static bool make_marks(struct jp_patrol_mission *mission, unsigned expansions)
         return true;
     }
     jp_patrol_clear_ways(mission->config.map, &mission->internal.marked, scan, &mission->internal.scanner,
-                         mission->internal.beam, end);
+                         mission->config.patrol.scan.tolerance, mission->internal.beam, end);
     mission->internal.beam = end;
     if (end < scan->count) {
         return false;

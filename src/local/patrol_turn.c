@@ -55,24 +55,40 @@ bool jp_patrol_is_standing(const struct jp_plane_speed *speed)
            jp_plane_magnitude(speed->turn_rate) < STANDSTILL_TURN_RATE;
 }
 
-/* Of a step whose way is known, m. */
-static float step_clearance(const struct jp_patrol_config *config)
+float jp_patrol_step_clearance(const struct jp_patrol_config *config)
 {
     return config->strategy == (uint8_t)JP_PATROL_BY_COST ? 0.5f * config->glide_clearance : config->turn_clearance;
 }
 
-bool jp_patrol_find_step_to_goal(struct jp_patrol *patrol)
+static bool find_goal_with(struct jp_patrol *patrol, float clearance)
 {
     const struct jp_plane_pose remaining = jp_plane_relative(&patrol->pose, &patrol->internal.goal.pose);
     const struct jp_plane_pose step = {remaining.x, remaining.y, 0.0f};
     const float away = jp_plane_length(remaining.x, remaining.y);
 
     patrol->internal.step_target = (struct jp_plane_point){patrol->internal.goal.pose.x, patrol->internal.goal.pose.y};
+    patrol->internal.step_clearance = clearance;
     return away > STEP_TOLERANCE &&
            (patrol->config.strategy == (uint8_t)JP_PATROL_BY_COST
                 ? away < patrol->config.horizon
                 : away < STEP_REACH && remaining.x > -STEP_TOLERANCE) &&
-           jp_patrol_is_step_free(patrol, &step, step_clearance(&patrol->config));
+           jp_patrol_is_step_free(patrol, &step, clearance);
+}
+
+bool jp_patrol_find_step_to_goal(struct jp_patrol *patrol)
+{
+    return find_goal_with(patrol, jp_patrol_step_clearance(&patrol->config));
+}
+
+/* That a turn keeps, and a step where there is no other way. */
+static float least_clearance(const struct jp_patrol *patrol)
+{
+    return jp_plane_larger(patrol->config.turn_clearance, jp_patrol_least_clearance(patrol));
+}
+
+bool jp_patrol_find_last_step(struct jp_patrol *patrol)
+{
+    return jp_patrol_find_step_to_goal(patrol) || find_goal_with(patrol, least_clearance(patrol));
 }
 
 bool jp_patrol_trust_path(struct jp_patrol *patrol)
@@ -152,28 +168,31 @@ bool jp_patrol_turn_before_step(struct jp_patrol *patrol)
     const struct jp_plane_pose turned = {patrol->pose.x, patrol->pose.y, goal->heading};
     const struct jp_plane_pose remaining = jp_plane_relative(&turned, goal);
     const struct jp_plane_pose step = {remaining.x, remaining.y, 0.0f};
-    const float clearance = step_clearance(&patrol->config);
+    const float clearance = jp_patrol_step_clearance(&patrol->config);
     float angle;
 
     if (patrol->config.strategy != (uint8_t)JP_PATROL_BY_COST || patrol->internal.goal.is_heading_free ||
         !jp_patrol_find_turn(patrol, &patrol->pose, goal->heading, clearance, &angle) ||
-        jp_plane_magnitude(angle) <= ROUGHLY || !jp_patrol_is_step_free_from(patrol, &turned, &step, clearance)) {
+        jp_plane_magnitude(angle) <= JP_PATROL_ROUGHLY ||
+        !jp_patrol_is_step_free_from(patrol, &turned, &step, clearance)) {
         return false;
     }
     begin_turn(patrol, goal->heading, angle);
     return true;
 }
 
-/* A place with room for the turn; at the goal one from where the robot then steps into it. */
+/* A place with room for the turn; at the goal one from where the robot then steps into it. The way there keeps as much
+ * as it was found with. */
 static bool find_room(struct jp_patrol *patrol, float heading, float clearance)
 {
     struct jp_patrol_step_search search = {.heading = heading, .clearance = clearance};
 
     if (patrol->internal.is_arriving) {
         search.into = &patrol->internal.goal.pose;
-        search.into_clearance = step_clearance(&patrol->config);
+        search.into_clearance = jp_patrol_step_clearance(&patrol->config);
         search.into_reach = STEP_REACH;
     }
+    patrol->internal.step_clearance = jp_plane_smaller(clearance, jp_patrol_step_clearance(&patrol->config));
     return jp_patrol_find_step(patrol, &search, &patrol->internal.step_target);
 }
 
@@ -197,7 +216,7 @@ bool jp_patrol_make_room(struct jp_patrol *patrol, float heading, bool is_standi
 {
     float angle;
     const bool turns = jp_patrol_find_turn(patrol, &patrol->pose, heading, JP_PATROL_CLEARANCE, &angle) &&
-                       jp_plane_magnitude(angle) > ROUGHLY;
+                       jp_plane_magnitude(angle) > JP_PATROL_ROUGHLY;
 
     if (patrol->internal.rooms >= ROOMS_MAX || (!turns && !find_room(patrol, heading, JP_PATROL_CLEARANCE))) {
         return false;
@@ -231,27 +250,27 @@ static struct jp_plane_point point_ahead(const struct jp_patrol *patrol, float w
     return point;
 }
 
-static bool is_step_to_free(const struct jp_patrol *patrol, const struct jp_plane_point *target)
+static bool is_step_to_free(const struct jp_patrol *patrol, const struct jp_plane_point *target, float clearance)
 {
     const struct jp_plane_pose there = {target->x, target->y, patrol->pose.heading};
     const struct jp_plane_pose step = jp_plane_relative(&patrol->pose, &there);
 
-    return jp_plane_length(step.x, step.y) > STEP_TOLERANCE &&
-           jp_patrol_is_step_free(patrol, &step, step_clearance(&patrol->config));
+    return jp_plane_length(step.x, step.y) > STEP_TOLERANCE && jp_patrol_is_step_free(patrol, &step, clearance);
 }
 
 /* The step along the path, with the heading as it is, such as backwards out of an aisle that is too narrow to turn in:
  * as far as the robot comes in the time for which it may wait. */
-static bool find_step_along(struct jp_patrol *patrol)
+static bool find_step_along(struct jp_patrol *patrol, float clearance)
 {
     const struct jp_patrol_config *const config = &patrol->config;
     float way = config->step_speed * config->period * (float)config->waits_max;
     bool is_found = false;
 
+    patrol->internal.step_clearance = clearance;
     if (config->strategy == (uint8_t)JP_PATROL_BY_COST && !patrol->internal.is_arriving) {
         for (unsigned i = 0; i < STEP_TRIES && !is_found; i++) {
             patrol->internal.step_target = point_ahead(patrol, way);
-            is_found = is_step_to_free(patrol, &patrol->internal.step_target);
+            is_found = is_step_to_free(patrol, &patrol->internal.step_target, clearance);
             way *= 0.5f;
         }
     }
@@ -261,7 +280,7 @@ static bool find_step_along(struct jp_patrol *patrol)
 /* With the clearance that is wanted where there is a place with it, else with as much as there is. */
 void jp_patrol_turn_to(struct jp_patrol *patrol, float heading)
 {
-    const float least = jp_plane_larger(patrol->config.turn_clearance, jp_patrol_least_clearance(patrol));
+    const float least = least_clearance(patrol);
     const float more = jp_plane_larger(patrol->config.teb.clearance - least, 0.0f);
 
     for (unsigned i = 0; i < TURN_TRIES; i++) {
@@ -271,7 +290,8 @@ void jp_patrol_turn_to(struct jp_patrol *patrol, float heading)
             return;
         }
     }
-    if ((patrol->internal.is_arriving && jp_patrol_find_step_to_goal(patrol)) || find_step_along(patrol)) {
+    if ((patrol->internal.is_arriving && jp_patrol_find_last_step(patrol)) ||
+        find_step_along(patrol, jp_patrol_step_clearance(&patrol->config)) || find_step_along(patrol, least)) {
         jp_patrol_begin_step(patrol);
     } else {
         patrol->counts.infeasible++;
@@ -301,7 +321,8 @@ void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed
     const float remaining = update_turn(patrol);
     const float angle = jp_plane_magnitude(remaining);
     const float exactly = 0.5f * config->heading_tolerance;
-    const bool is_there = angle < (patrol->internal.is_arriving ? exactly : jp_plane_larger(exactly, JP_PATROL_ROUGHLY));
+    const bool is_there =
+        angle < (patrol->internal.is_arriving ? exactly : jp_plane_larger(exactly, JP_PATROL_ROUGHLY));
 
     if (is_there && jp_plane_magnitude(speed->turn_rate) < STANDSTILL_TURN_RATE) {
         end_turn(patrol);
@@ -312,7 +333,7 @@ void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed
     const float ahead = rate_now * (TURN_FORESIGHT + 0.5f * rate_now / config->turn_acceleration) + TURN_MARGIN;
 
     if (!jp_patrol_is_turn_free(patrol, &patrol->pose, jp_plane_clamp(remaining, -ahead, ahead),
-                                jp_plane_larger(config->turn_clearance, jp_patrol_least_clearance(patrol)))) {
+                                least_clearance(patrol))) {
         jp_patrol_wait(patrol, JP_PATROL_BLOCKED);
         return;
     }
@@ -340,6 +361,15 @@ static void end_step(struct jp_patrol *patrol)
     }
 }
 
+/* What the step keeps on its way: scans that differ do not stop it, but for the least. */
+static float kept_clearance(const struct jp_patrol *patrol)
+{
+    const float found = patrol->internal.step_clearance;
+
+    return jp_plane_larger(found - JP_PATROL_CLEARANCE_NOISE,
+                           jp_plane_smaller(found, jp_patrol_least_clearance(patrol)));
+}
+
 void jp_patrol_step(struct jp_patrol *patrol, const struct jp_plane_speed *speed)
 {
     const struct jp_plane_pose remaining = step_left(patrol);
@@ -353,7 +383,7 @@ void jp_patrol_step(struct jp_patrol *patrol, const struct jp_plane_speed *speed
         if (jp_patrol_is_standing(speed)) {
             end_step(patrol);
         }
-    } else if (!jp_patrol_is_step_free(patrol, &remaining, step_clearance(&patrol->config))) {
+    } else if (!jp_patrol_is_step_free(patrol, &remaining, kept_clearance(patrol))) {
         jp_patrol_wait(patrol, JP_PATROL_BLOCKED);
     } else {
         command_step(patrol, &remaining);

@@ -20,8 +20,14 @@ bool jp_patrol_is_standing(const struct jp_plane_speed *speed);
 /** Counts a cycle in which the path is free. True when it has been free for long enough to go on. */
 bool jp_patrol_trust_path(struct jp_patrol *patrol);
 
+/** That a step along a known way keeps, m; one to where there is room for a turn keeps less where less was found. */
+float jp_patrol_step_clearance(const struct jp_patrol_config *config);
+
 /** The step to the goal, if it is near and not behind. */
 bool jp_patrol_find_step_to_goal(struct jp_patrol *patrol);
+
+/** The same with no more clearance than a turn keeps, where there is not more. */
+bool jp_patrol_find_last_step(struct jp_patrol *patrol);
 
 /** Begins the turn to the goal's heading, if it and the step to the goal after it are free. */
 bool jp_patrol_turn_before_step(struct jp_patrol *patrol);

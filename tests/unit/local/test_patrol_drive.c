@@ -532,7 +532,58 @@ static void test_a_step_to_the_goal_that_is_not_free_is_not_taken(void)
         rig_cycle();
     }
     rig_wall(1.57f, -1.0f, 1.57f, 1.0f);
-    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    /* Where it stands is not the goal, and it says so. */
+    (void)rig_until(JP_PATROL_WAITING, RIG_LONG);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+    (void)rig_until(JP_PATROL_STOPPED, RIG_LONG);
+    rig_expect(JP_PATROL_STOPPED, JP_PATROL_BLOCKED);
     TEST_ASSERT_NEAR(0.05f, 2.12f, robot.x);
     TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.steps);
+}
+
+/* ---- Where the band stands ---- */
+
+/* A goal before a wall, from which the band keeps away. */
+static void go_to_a_wall(bool turns)
+{
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    config.turns_in_place = turns;
+    config.position_tolerance = 0.05f;
+    config.teb.weights.obstacle *= 1000.0f;
+    config.teb.clearance = 0.4f;
+    rig_init();
+    rig_wall(1.45f, -1.0f, 1.45f, 1.0f);
+    rig_go_to_heading(1.0f, 0.0f, 0.0f);
+}
+
+static void test_to_a_goal_before_a_wall_it_steps(void)
+{
+    go_to_a_wall(true);
+    (void)rig_until(JP_PATROL_STEPPING, RIG_LONG);
+    TEST_ASSERT_TRUE(robot.x < 0.95f);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_NEAR(0.05f, 1.0f, robot.x);
+}
+
+static void test_the_plain_band_does_not_step_to_a_goal(void)
+{
+    go_to_a_wall(false);
+    for (unsigned i = 0; i < RIG_LONG; i++) {
+        rig_cycle();
+        TEST_ASSERT_TRUE(patrol.state != JP_PATROL_STEPPING);
+    }
+    TEST_ASSERT_TRUE(robot.x < 0.95f);
+}
+
+/* Where the goal is on the wall no step leads to it either. */
+static void test_a_goal_in_a_wall_is_not_stepped_to(void)
+{
+    go_to_a_wall(true);
+    walls[0].from.x = 1.35f;
+    walls[0].to.x = 1.35f;
+    for (unsigned i = 0; i < RIG_LONG; i++) {
+        rig_cycle();
+        TEST_ASSERT_TRUE(patrol.state != JP_PATROL_STEPPING);
+    }
+    rig_expect(JP_PATROL_STOPPED, JP_PATROL_BLOCKED);
 }

@@ -51,8 +51,8 @@ static bool is_marked(int x, int y)
 /* In two parts. */
 static void mark(const struct jp_plane_pose *scanner, float tolerance)
 {
-    jp_patrol_clear_ways(&given, &marked, &scan, scanner, 0, 1);
-    jp_patrol_clear_ways(&given, &marked, &scan, scanner, 1, BEAMS);
+    jp_patrol_clear_ways(&given, &marked, &scan, scanner, tolerance, 0, 1);
+    jp_patrol_clear_ways(&given, &marked, &scan, scanner, tolerance, 1, BEAMS);
     jp_patrol_mark_ends(&given, &marked, &scan, scanner, tolerance);
 }
 
@@ -97,10 +97,48 @@ static void test_a_beam_clears_what_it_goes_through(void)
     TEST_ASSERT_TRUE(is_marked(28, 24));
     TEST_ASSERT_TRUE(is_marked(27, 25));
     TEST_ASSERT_TRUE(is_marked(32, 24));
-    /* So near its end it does not say. */
+    /* Where it may end by its error it does not say. */
+    ranges[0] = 0.96f;
     occupy(&marked, 31, 24);
-    mark(&scanner, TOLERANCE);
+    mark(&scanner, 0.1f);
     TEST_ASSERT_TRUE(is_marked(31, 24));
+    TEST_ASSERT_TRUE(is_marked(32, 24));
+    mark(&scanner, TOLERANCE);
+    TEST_ASSERT_FALSE(is_marked(31, 24));
+    TEST_ASSERT_TRUE(is_marked(32, 24));
+}
+
+/* A face on the border of a cell: what noise puts before it would close the gap beside it. */
+static void test_a_thing_is_marked_behind_its_face(void)
+{
+    const struct jp_plane_pose scanner = {3.06f, 3.06f, 0.0f};
+
+    for (int i = -3; i <= 3; i++) {
+        const float noise = 0.01f * (float)i;
+
+        ranges[0] = 4.0f - 3.06f + noise;
+        ranges[1] = 4.0f - 3.06f + noise;
+        ranges[2] = 3.06f - 2.0f + noise;
+        ranges[3] = 3.06f - 2.0f + noise;
+        mark(&scanner, TOLERANCE);
+        TEST_ASSERT_TRUE(is_marked(32, 24) && is_marked(24, 32) && is_marked(15, 24) && is_marked(24, 15));
+        TEST_ASSERT_FALSE(is_marked(31, 24) || is_marked(24, 31) || is_marked(16, 24) || is_marked(24, 16));
+    }
+}
+
+/* What was marked before a face from where the robot thought that it was goes with the first scan that shows it free.
+ */
+static void test_a_mark_before_a_face_goes(void)
+{
+    const struct jp_plane_pose scanner = {3.06f, 3.06f, 0.0f};
+
+    occupy(&marked, 31, 24);
+    occupy(&marked, 33, 24);
+    ranges[0] = 4.01f - 3.06f;
+    mark(&scanner, TOLERANCE);
+    TEST_ASSERT_FALSE(is_marked(31, 24));
+    TEST_ASSERT_TRUE(is_marked(32, 24));
+    TEST_ASSERT_TRUE(is_marked(33, 24));
 }
 
 static void test_beams_that_hit_nothing_say_nothing(void)
@@ -149,7 +187,8 @@ static void test_what_stands_more_than_a_cell_from_it_is_marked(void)
     occupy(&given, 32, 24);
     ranges[0] = 0.79f; /* 0.15 m before it; the cell is of 0.125 m */
     mark(&scanner, 1000.0f);
-    TEST_ASSERT_TRUE(is_marked(30, 24));
+    TEST_ASSERT_TRUE(is_marked(31, 24)); /* a cell behind its face, and no more */
+    TEST_ASSERT_FALSE(is_marked(30, 24));
 }
 
 static void test_a_beam_beyond_the_map(void)

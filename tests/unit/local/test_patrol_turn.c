@@ -670,3 +670,77 @@ static void test_robot_at_the_end_of_its_path_does_not_back_out(void)
     rig_cycle();
     rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
 }
+
+/* ---- Little room beside a step ---- */
+
+/* Between a wall and two posts: to turn it must step out between these, sideways, with less beside it than a step whose
+ * way is known keeps. */
+static void stand_behind_posts(void)
+{
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    rig_init();
+    rig_wall(-3.0f, 0.42f, 3.0f, 0.42f);
+    rig_wall(0.41f, -0.36f, 0.7f, -0.36f);
+    rig_wall(-0.41f, -0.36f, -0.7f, -0.36f);
+    rig_straight(0.0f, 0.0f, -2.0f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(-2.0f, 0.0f, 0.0f, true));
+    rig_cycle();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(patrol.internal.step_clearance < jp_patrol_step_clearance(&config));
+}
+
+static void test_a_step_keeps_what_it_was_found_with(void)
+{
+    stand_behind_posts();
+    (void)rig_until(JP_PATROL_TURNING, RIG_LONG);
+    TEST_ASSERT_TRUE(robot.y < -0.6f);
+}
+
+/* Nor do scans that differ stop it, up to a centimetre. */
+static void test_a_step_goes_on_where_scans_differ(void)
+{
+    stand_behind_posts();
+    patrol.internal.step_clearance += 0.005f;
+    rig_cycle();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    patrol.internal.step_clearance += 0.015f;
+    rig_cycle();
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+}
+
+/* An aisle with a post on either side behind the robot, which leaves no more than a turn keeps. */
+static void test_robot_backs_out_between_posts(void)
+{
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    rig_init();
+    rig_wall(-1.2f, 0.42f, 0.6f, 0.42f);
+    rig_wall(-1.2f, -0.42f, 0.6f, -0.42f);
+    rig_wall(-0.6f, 0.42f, -0.6f, 0.31f);
+    rig_wall(-0.6f, -0.42f, -0.6f, -0.31f);
+    rig_straight(0.0f, 0.0f, -3.0f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(-3.0f, 0.0f, JP_PLANE_PI, true));
+    rig_cycle();
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    TEST_ASSERT_NEAR(1.0e-6f, 0.75f * config.scan.tolerance, patrol.internal.step_clearance);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_TRUE(robot.x < -2.9f);
+}
+
+/* A wall beside the goal leaves less than a step whose way is known keeps. */
+static void test_the_last_step_keeps_no_more_than_a_turn(void)
+{
+    const float gaps[] = {0.08f, 0.02f, -0.02f};
+
+    for (unsigned i = 0; i < 3U; i++) {
+        rig_reset();
+        config.strategy = (uint8_t)JP_PATROL_BY_COST;
+        rig_init();
+        rig_wall(-1.0f, 0.5f + gaps[i], 1.0f, 0.5f + gaps[i]);
+        rig_straight(0.0f, 0.0f, 0.0f, 0.2f);
+        TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.0f, 0.2f, 0.0f, false));
+        rig_sense();
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_cycle(&patrol, &input, &twist));
+        TEST_ASSERT_EQUAL_INT(i == 0U, jp_patrol_find_step_to_goal(&patrol));
+        TEST_ASSERT_EQUAL_INT(i < 2U, jp_patrol_find_last_step(&patrol));
+    }
+}
