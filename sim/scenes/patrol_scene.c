@@ -590,11 +590,9 @@ static bool has_fitting_cells(const char *path, const struct map_file *map)
     return false;
 }
 
-/* From the map's frame to its south-west corner. */
-static struct jp_plane_pose on_grid(const struct map_file *map, const struct planar_pose *place)
+struct jp_plane_pose patrol_scene_place(const struct patrol_scene *scene, const struct planar_pose *place)
 {
-    const struct planar_pose corner = {map->origin[0], map->origin[1], map->origin[2]};
-    const struct planar_pose pose = planar_between(&corner, place);
+    const struct planar_pose pose = planar_between(&scene->corner, place);
 
     return (struct jp_plane_pose){(float)pose.x, (float)pose.y, (float)pose.heading};
 }
@@ -614,10 +612,11 @@ bool patrol_scene_load(const char *path, const struct planar_pose *start, const 
     *scene = (struct patrol_scene){.kind = PATROL_SCENES,
                                    .map = map.terrain,
                                    .ground = map.terrain,
-                                   .start = on_grid(&map, start),
-                                   .goal = on_grid(&map, goal),
+                                   .corner = {map.origin[0], map.origin[1], map.origin[2]},
                                    .limit_s = GIVEN_LIMIT_S,
                                    .block = map.block};
+    scene->start = patrol_scene_place(scene, start);
+    scene->goal = patrol_scene_place(scene, goal);
     (void)snprintf(scene->name, sizeof scene->name, "%s", map.name);
     return true;
 }
