@@ -70,8 +70,7 @@ static void take_round(struct jp_ecu_patrol_round *self)
     const char *field;
 
     jp_round_decode(self->link.bytes, self->link.stops, &self->config);
-    self->config.standing_power =
-        (float)self->patrol->internal.tables.energy->electronics_power / (float)JP_Q16_ONE;
+    self->config.standing_power = (float)self->patrol->internal.tables.energy->electronics_power / (float)JP_Q16_ONE;
     if (jp_patrol_round_check(&self->config, &field) != JP_OK) {
         jp_round_link_reject(&self->link, JP_ROUND_REASON_FIELD, field_of(field));
     } else {
@@ -238,8 +237,8 @@ static void go_round(struct jp_ecu_patrol_round *self, uint32_t ticks)
 {
     const uint32_t rate = jp_four_wheel_robot_configuration(&self->patrol->robot)->tick_rate;
 
-    if (has_drives(self) && jp_patrol_round_work(&self->round, held_joules(self), (float)ticks / (float)rate) ==
-                                JP_ROUND_FAILED) {
+    if (has_drives(self) &&
+        jp_patrol_round_work(&self->round, held_joules(self), (float)ticks / (float)rate) == JP_ROUND_FAILED) {
         end(self, true, jp_round_reason_of(self->round.reason), self->round.stop);
     }
 }

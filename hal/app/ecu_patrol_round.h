@@ -2,8 +2,8 @@
  * Hours of patrol of a robot with four steered wheels on CAN: takes a round between places of its map in frames, drives
  * it while the operator says so (patrol_round.h), and tells how it goes. Whatever the operator commands ends it.
  *
- * What the battery holds its charger or its management tells in BatteryCharge; from then on the robot's own meter of the
- * bus counts what leaves it. All of it runs in the background.
+ * What the battery holds its charger or its management tells in BatteryCharge; from then on the robot's own meter of
+ * the bus counts what leaves it. All of it runs in the background.
  */
 #ifndef JOULEPATH_HAL_APP_ECU_PATROL_ROUND_H
 #define JOULEPATH_HAL_APP_ECU_PATROL_ROUND_H
@@ -42,8 +42,8 @@ struct jp_ecu_patrol_round {
     struct jp_ecu_patrol *patrol;
     struct jp_wayfinder way; /* to single goals */
     struct jp_round_link link;
-    struct jp_patrol_round_config config; /* of the round that is whole */
-    struct jp_patrol_round round;         /* all zero before it has begun */
+    struct jp_patrol_round_config config;                         /* of the round that is whole */
+    struct jp_patrol_round round;                                 /* all zero before it has begun */
     enum { JP_ROUND_WAITS, JP_ROUND_RUNS, JP_ROUND_ENDED } phase; /* of the round that is whole */
     bool has_failed;                                              /* else it was stopped */
     enum jp_round_reason reason;

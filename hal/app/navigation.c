@@ -669,8 +669,7 @@ static void report(struct jp_navigation *navigation)
     }
     const uint8_t told_of_round = tell_round(navigation, navigation->frames);
     const uint8_t told =
-        told_of_round +
-        tell_legs(navigation, way.legs, count8(way.leg_count), &navigation->frames[told_of_round]);
+        told_of_round + tell_legs(navigation, way.legs, count8(way.leg_count), &navigation->frames[told_of_round]);
 
     tell_progress(navigation, &way.progress, &navigation->frames[told]);
     tell_state(navigation, &way, &navigation->frames[told + 1U]);

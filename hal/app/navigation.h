@@ -8,7 +8,8 @@
  *   jp_navigation_work()    a slice of work
  *
  * All of it runs in the background. A map is taken while the navigator is not under way, and goals once it is whole. A
- * goal is driven to once; so is a round, whose ids are those of goals: the one that came last counts. Memory is the caller's: hal/app/navigation_memory.h has some.
+ * goal is driven to once; so is a round, whose ids are those of goals: the one that came last counts. Memory is the
+ * caller's: hal/app/navigation_memory.h has some.
  */
 #ifndef JOULEPATH_HAL_APP_NAVIGATION_H
 #define JOULEPATH_HAL_APP_NAVIGATION_H
@@ -139,7 +140,8 @@ struct jp_wayfinder {
 
     /* Of who goes round between places of the map, such as ecu_patrol_round.h; else null. */
 
-    /** Takes a RoundOffer, RoundData or BatteryCharge of the right length; `map`: id of that which is there, 0: none. */
+    /** Takes a RoundOffer, RoundData or BatteryCharge of the right length; `map`: id of that which is there, 0: none.
+     */
     enum jp_e2e_result (*accept)(void *self, const struct jp_can_frame *frame, uint8_t map);
     /** Id of the round that waits to be driven; 0: none does. */
     uint8_t (*round_ready)(const void *self);
@@ -161,7 +163,7 @@ struct jp_navigation {
     int32_t unit_exponent;
     bool is_prepared;           /* for the map */
     enum jp_status home_status; /* of the home of the map */
-    struct jp_map_goal goal; /* or the round of this id */
+    struct jp_map_goal goal;    /* or the round of this id */
     bool is_round;
     enum jp_goal_answer answer;
     uint8_t course;     /* number of the last one */
@@ -186,8 +188,8 @@ enum jp_status jp_navigation_init_with(struct jp_navigation *navigation, const s
 /** Whether it takes frames of rounds. */
 bool jp_navigation_goes_round(const struct jp_navigation *navigation);
 
-/** Takes a MapOffer, MapData, CellChanges or MapGoal of the right length; of who goes round also a RoundOffer, RoundData
- *  or BatteryCharge. Work: cells that change, each as jp_navigator_set_cell(). */
+/** Takes a MapOffer, MapData, CellChanges or MapGoal of the right length; of who goes round also a RoundOffer,
+ * RoundData or BatteryCharge. Work: cells that change, each as jp_navigator_set_cell(). */
 enum jp_e2e_result jp_navigation_accept(struct jp_navigation *navigation, const struct jp_can_frame *frame);
 
 /** Drives to the goal of this id, or the round, if it waits to be driven; true when it now does. */

@@ -1,6 +1,6 @@
 /**
- * An operator that sends a robot over a map to a goal, or on a round between places: hands it the map and what a sensor sees otherwise, and lets it
- * drive, in the frames of joulepath.dbc.
+ * An operator that sends a robot over a map to a goal, or on a round between places: hands it the map and what a sensor
+ * sees otherwise, and lets it drive, in the frames of joulepath.dbc.
  *
  *   idle ─▶ standing up ─▶ sending ─▶ asking ─▶ driving ─▶ done
  *                │            │          │         │

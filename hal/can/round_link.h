@@ -22,7 +22,7 @@ extern "C" {
 
 #define JP_ROUND_STOPS_MAX 15U
 
-#define JP_ROUND_BYTES(stops)  (JP_ROUND_HEAD + (stops) * JP_ROUND_STOP)
+#define JP_ROUND_BYTES(stops)  (JP_ROUND_HEAD + (stops)*JP_ROUND_STOP)
 #define JP_ROUND_FRAMES(stops) ((JP_ROUND_BYTES(stops) + JP_ROUND_DATA - 1U) / JP_ROUND_DATA)
 #define JP_ROUND_BYTES_MAX     (JP_ROUND_FRAMES(JP_ROUND_STOPS_MAX) * JP_ROUND_DATA)
 

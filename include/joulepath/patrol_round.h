@@ -54,12 +54,12 @@ struct jp_patrol_stop {
 
 struct jp_patrol_round_config {
     struct jp_patrol_stop stops[JP_PATROL_STOPS_MAX];
-    uint16_t stop_count;          /**< 1…JP_PATROL_STOPS_MAX */
+    uint16_t stop_count; /**< 1…JP_PATROL_STOPS_MAX */
     struct jp_plane_pose charger;
-    float full;                   /**< energy of the battery from which on it leaves the charger, J; above 0 */
-    float reserve;                /**< that shall be left at the charger, J; 0 or more */
-    float deviations;             /**< 1.645: 95 %; 0…10 */
-    float standing_power;         /**< of the robot that stays, W; 0 or more */
+    float full;           /**< energy of the battery from which on it leaves the charger, J; above 0 */
+    float reserve;        /**< that shall be left at the charger, J; 0 or more */
+    float deviations;     /**< 1.645: 95 %; 0…10 */
+    float standing_power; /**< of the robot that stays, W; 0 or more */
 };
 
 enum jp_patrol_round_state {

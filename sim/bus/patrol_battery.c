@@ -7,9 +7,9 @@
 #include "sim/base/strict_math.h"
 
 /* The contacts. */
-#define CONTACT      0.15             /* m */
+#define CONTACT      0.15 /* m */
 #define CONTACT_TURN (10 * M_PI / 180)
-#define STANDING     0.02             /* m/s */
+#define STANDING     0.02 /* m/s */
 
 #define TELL_TICKS (FOUR_WHEEL_RATE_HZ / 10)
 

@@ -1,5 +1,5 @@
-/** What a patrol robot's battery holds, and a charger that it stands at: its contacts close when the robot stands before
- *  it, and while they are closed the charger tells what the battery holds, in BatteryCharge. */
+/** What a patrol robot's battery holds, and a charger that it stands at: its contacts close when the robot stands
+ * before it, and while they are closed the charger tells what the battery holds, in BatteryCharge. */
 #ifndef JOULEPATH_SIM_BUS_PATROL_BATTERY_H
 #define JOULEPATH_SIM_BUS_PATROL_BATTERY_H
 

@@ -31,7 +31,7 @@ struct patrol_body {
     double current;                           /**< mean of the last tick, as the sensor has it, A */
     uint8_t sample_counter;
     struct jp_scan_counters scan_counters;
-    unsigned scan_next; /**< frame of the scan that goes out next */
+    unsigned scan_next;             /**< frame of the scan that goes out next */
     struct patrol_battery *battery; /**< that it lives on; NULL: one without an end */
 };
 

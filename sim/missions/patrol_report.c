@@ -45,8 +45,8 @@ static void print_scene(const struct patrol_report *report)
     const struct jp_plane_pose *goal = &report->scene->goal;
 
     (void)printf("%s, seed %llu: %.1f × %.1f m in cells of %.3f m; robot %s\n", report->scene->name,
-                 (unsigned long long)report->seed, config->width * cell_m(report->scene), config->height * cell_m(report->scene),
-                 cell_m(report->scene), report->robot->name);
+                 (unsigned long long)report->seed, config->width * cell_m(report->scene),
+                 config->height * cell_m(report->scene), cell_m(report->scene), report->robot->name);
     (void)printf("start %.2f, %.2f m, %.0f°; goal %.2f, %.2f m, %.0f°, from the map's south-west corner; within %.0f "
                  "s\n",
                  (double)start->x, (double)start->y, (double)start->heading * DEGREES, (double)goal->x, (double)goal->y,
@@ -250,8 +250,8 @@ json_t *patrol_report_json(const struct patrol_report *report)
     }
     return json_pack("{s:s, s:s, s:[f, f], s:I, s:o, s:o, s:o, s:f, s:o, s:o, s:o, s:o}", "robot", report->robot->name,
                      "scene", scene->name, "robot_size_m", report->robot->body.length_m, report->robot->body.width_m,
-                     "seed", (json_int_t)report->seed, "map", patrol_report_map(scene, report->map_path), "start", json_pose(&scene->start),
-                     "goal", json_pose(&scene->goal), "limit_s", scene->limit_s, "faults", json_faults(&report->faults),
-                     "states", json_names(patrol_state_names, JP_PATROL_STOPPED + 1), "reasons",
-                     json_names(patrol_reason_names, JP_PATROL_INFEASIBLE + 1), "methods", runs);
+                     "seed", (json_int_t)report->seed, "map", patrol_report_map(scene, report->map_path), "start",
+                     json_pose(&scene->start), "goal", json_pose(&scene->goal), "limit_s", scene->limit_s, "faults",
+                     json_faults(&report->faults), "states", json_names(patrol_state_names, JP_PATROL_STOPPED + 1),
+                     "reasons", json_names(patrol_reason_names, JP_PATROL_INFEASIBLE + 1), "methods", runs);
 }

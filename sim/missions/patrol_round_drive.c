@@ -124,8 +124,8 @@ static bool prepare(struct alone *alone)
     const size_t size = jp_patrol_pilot_size(&alone->pilot, &scene->map);
 
     alone->block = malloc(size);
-    if (alone->block == NULL || jp_patrol_pilot_take_map(&alone->pilot, &scene->map, &scene->start, alone->block, size,
-                                                         &field) != JP_OK) {
+    if (alone->block == NULL ||
+        jp_patrol_pilot_take_map(&alone->pilot, &scene->map, &scene->start, alone->block, size, &field) != JP_OK) {
         error_line("%s: no memory for a drive over it; give a smaller map", scene->name);
         return false;
     }
@@ -175,8 +175,7 @@ static void control(struct alone *alone)
     look(alone);
     jp_patrol_pilot_work(&alone->pilot);
     if (alone->body.tick == BEGIN_TICK) {
-        alone->has_begun =
-            jp_patrol_round_init(&alone->round, &alone->config, &alone->pilot, &field) == JP_OK;
+        alone->has_begun = jp_patrol_round_init(&alone->round, &alone->config, &alone->pilot, &field) == JP_OK;
     }
     if (alone->has_begun) {
         (void)jp_patrol_round_work(&alone->round, (float)held(alone), (float)TICK);

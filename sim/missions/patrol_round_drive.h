@@ -1,5 +1,5 @@
-/** Hours of patrol of a robot on a map: by the library itself, or by a controller on a bus, which gets map and round from
- *  an operator. The robot begins at its charger, with a full battery. */
+/** Hours of patrol of a robot on a map: by the library itself, or by a controller on a bus, which gets map and round
+ * from an operator. The robot begins at its charger, with a full battery. */
 #ifndef JOULEPATH_SIM_MISSIONS_PATROL_ROUND_DRIVE_H
 #define JOULEPATH_SIM_MISSIONS_PATROL_ROUND_DRIVE_H
 

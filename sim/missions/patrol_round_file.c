@@ -49,10 +49,10 @@ static bool load_stop(const char *path, const config_setting_t *setting, unsigne
     double value[NUMBERS];
 
     if (!read_stop(setting, value)) {
-        error_line("%s: stops[%u] (line %u): must be four numbers: x and y within ±%g m, a heading within ±%g°, and how "
-                   "long it stays, 0 to %g s; write [x, y, heading, stay]",
-                   path, index, config_setting_source_line(setting), COORDINATE, ranges[HEADING].most,
-                   ranges[DWELL].most);
+        error_line(
+            "%s: stops[%u] (line %u): must be four numbers: x and y within ±%g m, a heading within ±%g°, and how "
+            "long it stays, 0 to %g s; write [x, y, heading, stay]",
+            path, index, config_setting_source_line(setting), COORDINATE, ranges[HEADING].most, ranges[DWELL].most);
         return false;
     }
     file->stops[index].pose = (struct planar_pose){value[X], value[Y], value[HEADING] * RADIANS};
@@ -120,8 +120,8 @@ struct jp_patrol_round_config patrol_round_config_of(const struct patrol_round_f
     uint8_t bytes[JP_ROUND_BYTES_MAX];
 
     for (unsigned i = 0; i < file->stop_count; i++) {
-        config.stops[i] = (struct jp_patrol_stop){patrol_scene_place(scene, &file->stops[i].pose),
-                                                  (float)file->stops[i].dwell_s};
+        config.stops[i] =
+            (struct jp_patrol_stop){patrol_scene_place(scene, &file->stops[i].pose), (float)file->stops[i].dwell_s};
     }
     jp_round_encode(&config, bytes);
     jp_round_decode(bytes, (uint8_t)file->stop_count, &config);

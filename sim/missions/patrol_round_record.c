@@ -8,11 +8,14 @@
 
 #define TICK (1.0 / FOUR_WHEEL_RATE_HZ)
 
+/* After this time away from the charger all has been told of it, s. */
+#define SETTLED 1.0
+
 /* From a line of the log to the next, s. */
 #define LINE_PERIOD 0.5
 
 const char *const patrol_journey_ends[PATROL_JOURNEY_ENDS] = {
-    [PATROL_JOURNEY_ARRIVED] = "arrived", [PATROL_JOURNEY_TURNED_HOME] = "turned home",
+    [PATROL_JOURNEY_ARRIVED] = "arrived",   [PATROL_JOURNEY_TURNED_HOME] = "turned home",
     [PATROL_JOURNEY_LEFT_OUT] = "left out", [PATROL_JOURNEY_NO_WAY] = "no way",
     [PATROL_JOURNEY_CUT] = "cut short",
 };
@@ -20,12 +23,11 @@ const char *const patrol_journey_ends[PATROL_JOURNEY_ENDS] = {
 void patrol_round_record_init(struct patrol_round_record *record, FILE *log, unsigned stops,
                               const struct patrol_body *body)
 {
-    *record = (struct patrol_round_record){
-        .log = log,
-        .stops = stops,
-        .energy_before_j = body->plant.ledger.battery,
-        .place = stops,
-        .pose = body->plant.state.pose};
+    *record = (struct patrol_round_record){.log = log,
+                                           .stops = stops,
+                                           .energy_before_j = body->plant.ledger.battery,
+                                           .place = stops,
+                                           .pose = body->plant.state.pose};
     (void)fprintf(log, "t_s,x_m,y_m,heading_deg,held_j,told_j,state,stop\n");
 }
 
@@ -36,8 +38,7 @@ static struct patrol_journey *last_of(struct patrol_round_record *record)
     return &record->journeys[record->journey_count - 1];
 }
 
-static void end_journey(struct patrol_round_record *record, enum patrol_journey_end end,
-                        const struct patrol_body *body)
+static void end_journey(struct patrol_round_record *record, enum patrol_journey_end end, const struct patrol_body *body)
 {
     struct patrol_journey *journey = last_of(record);
 
@@ -120,6 +121,17 @@ static void write_line(const struct patrol_round_record *record, const struct pa
                   record->told.stop);
 }
 
+/* Away from the charger, whose last word must have come. */
+static void note_account(struct patrol_round_record *record, const struct patrol_body *body)
+{
+    const double error = fabs(record->told.held_j - body->battery->held_j);
+
+    record->away_s = body->battery->is_at_charger ? 0 : record->away_s + TICK;
+    if (record->away_s > SETTLED) {
+        record->account_error_j = fmax(record->account_error_j, error);
+    }
+}
+
 void patrol_round_record_tick(struct patrol_round_record *record, const struct patrol_round_told *told,
                               const struct patrol_body *body, double reserve_j)
 {
@@ -132,8 +144,7 @@ void patrol_round_record_tick(struct patrol_round_record *record, const struct p
     note_journeys(record, told, body);
     record->below_reserve += told->charges > record->told.charges && body->battery->held_j < reserve_j;
     record->told = *told;
-    record->account_error_j =
-        fmax(record->account_error_j, body->battery->is_at_charger ? 0 : fabs(told->held_j - body->battery->held_j));
+    note_account(record, body);
     if (record->time_s >= record->next_line_s) {
         record->next_line_s += LINE_PERIOD;
         write_line(record, body);

@@ -59,14 +59,15 @@ struct patrol_round_record {
     struct patrol_round_told told;
     double time_s; /**< since the round began */
     double length_m;
-    double energy_j;       /**< that left the battery */
+    double energy_j;        /**< that left the battery */
     double account_error_j; /**< largest of what the robot counts, from what the battery holds */
     unsigned below_reserve;
     double energy_before_j; /* that had left it before */
-    bool is_under_way; /* on a journey */
-    unsigned place;    /* where it was last */
+    bool is_under_way;      /* on a journey */
+    unsigned place;         /* where it was last */
     struct planar_pose pose;
     double next_line_s;
+    double away_s; /* from the charger */
 };
 
 /** Writes the head of the log. */

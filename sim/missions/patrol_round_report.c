@@ -28,8 +28,9 @@ static void print_task(const struct patrol_round_task *task)
 
     (void)printf("%s, seed %llu: a round of %u stops for %.2f h; robot %s\n", task->scene->name,
                  (unsigned long long)task->seed, file->stop_count, task->hours, task->robot->name);
-    (void)printf("battery %.0f J, of which %.0f J shall be left at the charger, with %.3f deviations; charger %.0f W\n\n",
-                 file->full_j, file->reserve_j, file->deviations, file->charger_w);
+    (void)printf(
+        "battery %.0f J, of which %.0f J shall be left at the charger, with %.3f deviations; charger %.0f W\n\n",
+        file->full_j, file->reserve_j, file->deviations, file->charger_w);
 }
 
 static void print_journey(const struct patrol_round_record *record, const struct patrol_journey *journey)
@@ -37,10 +38,10 @@ static void print_journey(const struct patrol_round_record *record, const struct
     char from[PLACE_SIZE];
     char to[PLACE_SIZE];
 
-    (void)printf("%-8s %-8s %-12s %9.1f %8.1f %9.2f %11.1f %8.1f %9.1f %9.1f\n", place_name(record, journey->from, from),
-                 place_name(record, journey->to, to), patrol_journey_ends[journey->end], journey->begin_s,
-                 journey->time_s, journey->length_m, journey->foretold_j, journey->deviation_j, journey->taken_j,
-                 journey->left_j);
+    (void)printf("%-8s %-8s %-12s %9.1f %8.1f %9.2f %11.1f %8.1f %9.1f %9.1f\n",
+                 place_name(record, journey->from, from), place_name(record, journey->to, to),
+                 patrol_journey_ends[journey->end], journey->begin_s, journey->time_s, journey->length_m,
+                 journey->foretold_j, journey->deviation_j, journey->taken_j, journey->left_j);
 }
 
 static void print_counts(const struct patrol_round_result *result)
@@ -86,11 +87,11 @@ static json_t *json_journeys(const struct patrol_round_record *record)
         const struct patrol_journey *journey = &record->journeys[i];
 
         (void)json_array_append_new(
-            array, json_pack("{s:i, s:i, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "from", (int)journey->from, "to",
-                             (int)journey->to, "outcome", patrol_journey_ends[journey->end], "start_s",
-                             journey->begin_s, "time_s", journey->time_s, "length_m", journey->length_m, "foretold_j",
-                             journey->foretold_j, "deviation_j", journey->deviation_j, "taken_j", journey->taken_j,
-                             "left_j", journey->left_j));
+            array,
+            json_pack("{s:i, s:i, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "from", (int)journey->from, "to",
+                      (int)journey->to, "outcome", patrol_journey_ends[journey->end], "start_s", journey->begin_s,
+                      "time_s", journey->time_s, "length_m", journey->length_m, "foretold_j", journey->foretold_j,
+                      "deviation_j", journey->deviation_j, "taken_j", journey->taken_j, "left_j", journey->left_j));
     }
     return array;
 }

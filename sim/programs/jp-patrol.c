@@ -62,7 +62,7 @@ struct arguments {
     bool plans_by_length;
     const char *bus; /* NULL: no ECU, but the core itself */
     unsigned patience;
-    unsigned boxes; /* that the map does not show */
+    unsigned boxes;         /* that the map does not show */
     const char *round_path; /* NULL: to a goal */
     double hours;           /* of the round; 0: not given */
 };
@@ -579,12 +579,11 @@ static int go_round(const struct arguments *arguments, struct patrol_round_task 
 {
     static struct patrol_round_result result;
 
-    task->log = output_directory(arguments->common.output) ? output_open(arguments->common.output, PATROL_ROUND_LOG)
-                                                           : NULL;
+    task->log =
+        output_directory(arguments->common.output) ? output_open(arguments->common.output, PATROL_ROUND_LOG) : NULL;
     if (task->log == NULL ||
         !(arguments->bus != NULL ? go_round_on_bus(arguments, task, &result) : patrol_round_drive(task, &result)) ||
-        !output_json(arguments->common.output, "summary.json",
-                     patrol_round_json(task, &result, arguments->map_path))) {
+        !output_json(arguments->common.output, "summary.json", patrol_round_json(task, &result, arguments->map_path))) {
         output_discard();
         return ERROR_EXIT;
     }

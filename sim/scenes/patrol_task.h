@@ -33,8 +33,8 @@ struct patrol_scene {
     struct jp_plane_pose start; /**< m and rad from the south-west corner */
     struct jp_plane_pose goal;
     struct planar_pose corner; /**< the south-west one, in the map's frame */
-    double limit_s; /**< time in which a robot must arrive */
-    void *block;    /**< of both maps */
+    double limit_s;            /**< time in which a robot must arrive */
+    void *block;               /**< of both maps */
 };
 
 #endif
