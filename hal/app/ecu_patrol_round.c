@@ -363,11 +363,8 @@ static enum jp_round_told told(const struct jp_ecu_patrol_round *self)
 }
 
 /** Of the round, or of an offer that was refused for its sake. */
-static enum jp_round_reason told_reason(const struct jp_ecu_patrol_round *self)
+static enum jp_round_reason reason_of_whole(const struct jp_ecu_patrol_round *self)
 {
-    if (self->link.state == JP_ROUND_LINK_REJECTED) {
-        return self->link.reason;
-    }
     if (!is_running(self)) {
         return self->reason;
     }
@@ -381,7 +378,7 @@ static void tell_status(const struct jp_ecu_patrol_round *self, struct jp_can_fr
     const struct jp_can_round_status_t signals = {
         .round_id = self->link.id,
         .state = (uint8_t)told(self),
-        .reason = (uint8_t)told_reason(self),
+        .reason = (uint8_t)(is_whole ? reason_of_whole(self) : self->link.reason),
         .field = (uint8_t)self->link.field,
         .stop = (uint8_t)((is_running(self) ? self->round.stop : self->stop) & STOP_MASK),
         .received = self->link.frames,
