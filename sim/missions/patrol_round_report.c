@@ -69,7 +69,8 @@ void patrol_round_print(const struct patrol_round_task *task, const struct patro
     const struct patrol_round_record *record = &result->record;
 
     print_task(task);
-    (void)printf("%-8s %-8s %-12s %9s %8s %9s %11s %8s %9s %9s\n", "from", "to", "outcome", "start s", "time s",
+    /* The deviation's sign takes two bytes. */
+    (void)printf("%-8s %-8s %-12s %9s %8s %9s %11s %9s %9s %9s\n", "from", "to", "outcome", "start s", "time s",
                  "length m", "foretold J", "± J", "taken J", "left J");
     for (unsigned i = 0; i < record->journey_count; i++) {
         print_journey(record, &record->journeys[i]);

@@ -554,7 +554,9 @@ void patrol_scene_make(enum patrol_scene_kind kind, uint64_t seed, struct patrol
 void patrol_scene_free(struct patrol_scene *scene)
 {
     free(scene->block);
+    free(scene->ground_block);
     scene->block = NULL;
+    scene->ground_block = NULL;
 }
 
 bool patrol_scene_enter(const struct patrol_scene *scene, const struct four_wheel_file *robot,
@@ -588,6 +590,25 @@ static bool has_fitting_cells(const char *path, const struct map_file *map)
                "python -m tools.design.import_map … --resolution 0.05",
                path, cell, RESOLUTION_MIN, RESOLUTION_MAX);
     return false;
+}
+
+bool patrol_scene_part_ground(struct patrol_scene *scene)
+{
+    const struct jp_terrain_config *config = &scene->map.config;
+    const size_t size = jp_terrain_size(config);
+    const char *field;
+
+    scene->ground_block = malloc(size);
+    if (scene->ground_block == NULL ||
+        jp_terrain_init(&scene->ground, config, scene->ground_block, size, &field) != JP_OK) {
+        return false;
+    }
+    for (int32_t y = 0; y < config->height; y++) {
+        for (int32_t x = 0; x < config->width; x++) {
+            (void)jp_terrain_set_cell(&scene->ground, x, y, jp_terrain_cell(&scene->map, x, y));
+        }
+    }
+    return true;
 }
 
 struct jp_plane_pose patrol_scene_place(const struct patrol_scene *scene, const struct planar_pose *place)
