@@ -126,7 +126,8 @@ def read_log(path):
     return read_columns(path, LOG_COLUMNS, 0) or {name: np.empty(0) for name in LOG_COLUMNS}
 
 
-def load(directory, summary):
+def load(directory):
+    summary = read_json(directory / "summary.json")
     check_summary(directory / "summary.json", summary)
     return summary, [Drive(about, read_log(directory / about["log"])) for about in summary["methods"]]
 
@@ -417,7 +418,7 @@ def main():
         results = round_report.read_round(directory / "summary.json", summary)
         page, picture = round_report.render(results), round_report.picture(results)
     else:
-        results = load(directory, summary)
+        results = load(directory)
         page, picture = render(*results), plots.png_bytes(draw_patrol(*results), dpi=120)
     for name, content in (("report.html", page), ("patrol.png", picture)):
         write_whole(directory / name, content)
