@@ -351,8 +351,9 @@ static void hear_driving(struct jp_navigation_operator *self)
 static void hear_navigator(struct jp_navigation_operator *self)
 {
     if (self->is_round) {
-        /* RoundStatus tells of it. */
-    } else if (self->phase == JP_NAVIGATION_ASKING) {
+        return; /* RoundStatus tells of it */
+    }
+    if (self->phase == JP_NAVIGATION_ASKING) {
         hear_asking(self);
     } else if (self->phase == JP_NAVIGATION_DRIVING) {
         hear_driving(self);
@@ -392,8 +393,9 @@ static void hear_driving_round(struct jp_navigation_operator *self)
 static void hear_round(struct jp_navigation_operator *self)
 {
     if (!self->is_round) {
-        /* It is of another operator. */
-    } else if (self->phase == JP_NAVIGATION_ASKING) {
+        return; /* it is of another operator */
+    }
+    if (self->phase == JP_NAVIGATION_ASKING) {
         hear_asking_round(self);
     } else if (self->phase == JP_NAVIGATION_DRIVING) {
         hear_driving_round(self);
