@@ -94,7 +94,7 @@ struct jp_patrol_round {
         struct jp_patrol_leg_forecast out[JP_PATROL_STOPS_MAX];    /* from the charger */
         struct jp_patrol_leg_forecast onward[JP_PATROL_STOPS_MAX]; /* from the stop before */
         struct jp_patrol_leg_forecast home[JP_PATROL_STOPS_MAX];
-        float pace;         /* factor when they were surveyed */
+        float pace;         /* factor when the last of them was surveyed */
         uint16_t surveyed;  /* ways */
         bool is_asked;      /* for the next one */
         bool is_at_charger; /* else at the stop before */

@@ -74,7 +74,6 @@ static void begin_survey(struct jp_patrol_round *round)
     round->internal.surveyed = 0;
     round->internal.is_asked = false;
     round->internal.is_at_charger = true;
-    round->internal.pace = learned_pace(round);
     (void)jp_patrol_pilot_forget_marks(round->internal.pilot);
 }
 
@@ -161,7 +160,11 @@ static void survey(struct jp_patrol_round *round)
     const unsigned way = round->internal.surveyed % WAYS;
     enum jp_status status;
 
+    if (round->internal.pilot->internal.is_ended) {
+        return; /* what the way home has taken is still to be learned from */
+    }
     if (!round->internal.is_asked) {
+        round->internal.pace = learned_pace(round);
         status = ask(round, stop, way);
         if (status != JP_OK) {
             round->stop = stop;
