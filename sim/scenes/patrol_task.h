@@ -34,8 +34,8 @@ struct patrol_scene {
     struct jp_plane_pose goal;
     struct planar_pose corner; /**< the south-west one, in the map's frame */
     double limit_s;            /**< time in which a robot must arrive */
-    void *block;        /**< of both maps */
-    void *ground_block; /**< of a ground that has parted from its map */
+    void *block;               /**< of both maps */
+    void *ground_block;        /**< of a ground that has parted from its map */
 };
 
 #endif

@@ -1,5 +1,5 @@
-/* Rounds of the patrol robot's application over a bus in a scene: it goes round, is home while the energy lasts and goes
- * on; and while things fail, the operator falls silent, somebody says Stand, frames and samples fail to come, the
+/* Rounds of the patrol robot's application over a bus in a scene: it goes round, is home while the energy lasts and
+ * goes on; and while things fail, the operator falls silent, somebody says Stand, frames and samples fail to come, the
  * controller restarts, what is asked for cannot be. Each time the robot touches nothing and the round ends by name. */
 #include <math.h>
 #include <string.h>
@@ -23,7 +23,7 @@
 /* Until all frames of a report have come. */
 #define REPORT_TICKS 25U
 
-#define RESERVE     100.0f
+#define RESERVE 100.0f
 
 static struct local_ecu ecu;
 static struct bus_drive drive;

@@ -245,11 +245,11 @@ static inline void fuzz_bus_round(struct fuzz_bus *bus, struct fuzz_input *input
         fuzz_bus_put_word(&bytes[JP_ROUND_BYTES(i) + 12U], fuzz_u32(input) >> (4U + fuzz_below(input, 20)));
     }
 
-    const struct jp_can_round_offer_t offer = {
-        .map_id = bus->map_id & 15U,
-        .round_id = id,
-        .stops = fuzz_below(input, 8) == 7U ? fuzz_u8(input) : stops,
-        .round_crc = jp_crc32(0, bytes, JP_ROUND_BYTES(stops)) + (fuzz_below(input, 8) == 7U ? 1U : 0U)};
+    const struct jp_can_round_offer_t offer = {.map_id = bus->map_id & 15U,
+                                               .round_id = id,
+                                               .stops = fuzz_below(input, 8) == 7U ? fuzz_u8(input) : stops,
+                                               .round_crc = jp_crc32(0, bytes, JP_ROUND_BYTES(stops)) +
+                                                            (fuzz_below(input, 8) == 7U ? 1U : 0U)};
 
     (void)jp_can_round_offer_pack(frame.data, &offer, sizeof frame.data);
     fuzz_bus_protected(bus, &frame, JP_DATA_ID_ROUND_OFFER);

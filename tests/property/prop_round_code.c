@@ -1,5 +1,5 @@
-/* Rounds as bytes, for random ones: what is read is what was written to the step of the bytes, and reading what it wrote
- * again changes no bit; any bytes are a round that is taken, or whose field is named. */
+/* Rounds as bytes, for random ones: what is read is what was written to the step of the bytes, and reading what it
+ * wrote again changes no bit; any bytes are a round that is taken, or whose field is named. */
 #include <math.h>
 #include <string.h>
 

@@ -72,10 +72,8 @@ static enum jp_round_answer hear(void)
                                      [JP_ROUND_LINK_RECEIVING] = JP_CAN_ROUND_STATUS_STATE_RECEIVING_CHOICE,
                                      [JP_ROUND_LINK_REJECTED] = JP_CAN_ROUND_STATUS_STATE_REJECTED_CHOICE,
                                      [JP_ROUND_LINK_WHOLE] = JP_CAN_ROUND_STATUS_STATE_READY_CHOICE};
-    const struct jp_can_round_status_t status = {.round_id = link.id,
-                                                 .state = states[link.state],
-                                                 .reason = (uint8_t)link.reason,
-                                                 .received = link.frames};
+    const struct jp_can_round_status_t status = {
+        .round_id = link.id, .state = states[link.state], .reason = (uint8_t)link.reason, .received = link.frames};
 
     return jp_round_sender_hear(&sender, &status);
 }

@@ -541,8 +541,7 @@ static void test_what_is_surveyed_is_by_what_the_way_home_has_taught(void)
 
     pass_until(JP_ROUND_CHARGING);
     TEST_ASSERT_EQUAL_UINT32(learned_from + 1U, pilot.ledger.learned_from);
-    TEST_ASSERT_TRUE(round_trip.internal.pace ==
-                     pilot.ledger.robot * jp_patrol_pace_factor(&pilot.ledger.pace, 1.0f));
+    TEST_ASSERT_TRUE(round_trip.internal.pace == pilot.ledger.robot * jp_patrol_pace_factor(&pilot.ledger.pace, 1.0f));
 }
 
 static void test_marks_are_forgotten_by_who_has_a_map_and_does_not_plan(void)
