@@ -311,36 +311,51 @@ static bool drive_on_bus(struct on_bus *run)
     return true;
 }
 
-bool patrol_round_drive_on_bus(const struct patrol_round_task *task, const struct jp_can_link *link, unsigned patience,
-                               struct patrol_round_result *result)
+/* To the end. False after one line. */
+static bool go_on_bus(struct on_bus *run, const struct jp_can_link *link, unsigned patience)
 {
-    static struct on_bus run;
+    const struct patrol_round_task *task = run->task;
     const struct jp_patrol_round_config config = patrol_round_config_of(task->file, task->scene);
     uint8_t round_bytes[JP_ROUND_BYTES_MAX];
     const struct jp_round_bytes round = {.bytes = round_bytes, .stops = (uint8_t)config.stop_count};
     struct jp_map_stream stream;
-    uint8_t *map_bytes;
+    uint8_t *map_bytes = patrol_bus_encode(task->scene, &stream);
     bool is_done = false;
 
-    *result = (struct patrol_round_result){.fingerprint = FINGERPRINT_START};
-    run = (struct on_bus){.task = task, .result = result};
     jp_round_encode(&config, round_bytes);
-    map_bytes = patrol_bus_encode(task->scene, &stream);
     if (map_bytes == NULL) {
         return false;
     }
-    if (enter(task, &run.body, &run.battery)) {
-        bus_drive_init_patrol(&run.drive, &run.body, link);
-        run.drive.patience = patience;
-        run.drive.navigation = &run.commander;
-        result->map_bytes = stream.length;
-        (void)jp_navigation_operator_patrol(&run.commander, &stream, &round);
-        patrol_round_record_init(&result->record, task->log, task->file->stop_count, &run.body);
-        is_done = drive_on_bus(&run);
-        conclude(result, &run.body);
-        result->late = run.drive.late;
-        patrol_body_free(&run.body);
+    if (enter(task, &run->body, &run->battery)) {
+        bus_drive_init_patrol(&run->drive, &run->body, link);
+        run->drive.patience = patience;
+        run->drive.navigation = &run->commander;
+        run->result->map_bytes = stream.length;
+        (void)jp_navigation_operator_patrol(&run->commander, &stream, &round);
+        patrol_round_record_init(&run->result->record, task->log, task->file->stop_count, &run->body);
+        is_done = drive_on_bus(run);
+        conclude(run->result, &run->body);
+        run->result->late = run->drive.late;
+        patrol_body_free(&run->body);
     }
     free(map_bytes);
+    return is_done;
+}
+
+bool patrol_round_drive_on_bus(const struct patrol_round_task *task, const struct jp_can_link *link, unsigned patience,
+                               struct patrol_round_result *result)
+{
+    struct on_bus *run = calloc(1, sizeof *run);
+    bool is_done = false;
+
+    *result = (struct patrol_round_result){.fingerprint = FINGERPRINT_START};
+    if (run == NULL) {
+        error_line("%s: no memory for a drive over it", task->scene->name);
+        return false;
+    }
+    run->task = task;
+    run->result = result;
+    is_done = go_on_bus(run, link, patience);
+    free(run);
     return is_done;
 }

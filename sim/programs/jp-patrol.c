@@ -575,23 +575,23 @@ static bool go_round_on_bus(const struct arguments *arguments, const struct patr
 }
 
 /* Exit status. */
-static int go_round(const struct arguments *arguments, struct patrol_round_task *task)
+static int go_round(const struct arguments *arguments, struct patrol_round_task *task,
+                    struct patrol_round_result *result)
 {
-    static struct patrol_round_result result;
-
     task->log =
         output_directory(arguments->common.output) ? output_open(arguments->common.output, PATROL_ROUND_LOG) : NULL;
     if (task->log == NULL ||
-        !(arguments->bus != NULL ? go_round_on_bus(arguments, task, &result) : patrol_round_drive(task, &result)) ||
-        !output_json(arguments->common.output, "summary.json", patrol_round_json(task, &result, arguments->map_path))) {
+        !(arguments->bus != NULL ? go_round_on_bus(arguments, task, result) : patrol_round_drive(task, result)) ||
+        !output_json(arguments->common.output, "summary.json", patrol_round_json(task, result, arguments->map_path))) {
         output_discard();
         return ERROR_EXIT;
     }
-    patrol_round_print(task, &result);
+    patrol_round_print(task, result);
     if (!output_commit()) {
         return ERROR_EXIT;
     }
-    return result.outcome == PATROL_ROUND_WENT_ON && result.record.below_reserve == 0 ? EXIT_SUCCESS : NOT_ARRIVED_EXIT;
+    return result->outcome == PATROL_ROUND_WENT_ON && result->record.below_reserve == 0 ? EXIT_SUCCESS
+                                                                                        : NOT_ARRIVED_EXIT;
 }
 
 static int patrol_for_hours(const struct arguments *arguments, const struct four_wheel_file *robot)
@@ -607,7 +607,14 @@ static int patrol_for_hours(const struct arguments *arguments, const struct four
                                          .seed = arguments->common.seed,
                                          .hours = arguments->hours > 0 ? arguments->hours : HOURS};
 
-        status = go_round(arguments, &task);
+        struct patrol_round_result *result = malloc(sizeof *result);
+
+        if (result != NULL) {
+            status = go_round(arguments, &task, result);
+        } else {
+            error_line("%s: no memory for a round", arguments->round_path);
+        }
+        free(result);
     }
     patrol_scene_free(&scene);
     return status;
