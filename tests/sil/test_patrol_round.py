@@ -4,7 +4,7 @@ import json
 
 import pytest
 from conftest import assert_one_line_error, run
-from programs import ROOT
+from programs import BIN, LIMIT, ROOT, Programs, wait_until
 
 CELL = 0.05
 ROUND = {"charger": "[1.0, 1.0, 0.0]", "stops": "( [5.5, 1.5, 90.0, 4.0], [4.5, 3.5, 180.0, 2.0] )",
@@ -115,6 +115,19 @@ def test_equal_rounds_are_equal_to_the_bit(both, tmp_path):
     assert (tmp_path / "out/log_round.csv").read_bytes() == (folder / "out/log_round.csv").read_bytes()
     other, _ = driven(tmp_path, "--hours=0.1", "--bus", "in-process", "--seed=2")
     assert other["fingerprint"] != summary["fingerprint"]
+
+
+def test_two_programs_go_round_as_one(tmp_path):
+    one, _ = driven(tmp_path, "--hours=0.02", "--bus", "in-process")
+    with Programs(tmp_path) as programs:
+        line = tmp_path / "line"
+        plant = programs.start(BIN / "jp-patrol", f"--map={tmp_path / 'room.json'}", f"--round={tmp_path / 'round.cfg'}",
+                               "--hours=0.02", "--bus", f"pty:{line}", "--output", tmp_path / "two", "--patience", str(LIMIT))
+        wait_until(line.exists, "the line")
+        programs.start(BIN / "jp-ecu", "--bus", f"slcan:{line}", "--robot", "patrol")
+        assert plant.process.wait(LIMIT) == 0, plant.err.read_text()
+    assert json.loads((tmp_path / "two/summary.json").read_text()) == one
+    assert (tmp_path / "two/log_round.csv").read_bytes() == (tmp_path / "out/log_round.csv").read_bytes()
 
 
 def test_in_the_maps_own_frame(both, tmp_path):
