@@ -194,6 +194,7 @@ static const struct {
     {JP_CAN_SCAN_BEGIN_FRAME_ID, JP_CAN_SCAN_BEGIN_LENGTH, OF_KIND},
     {JP_CAN_SCAN_RANGES_FRAME_ID, JP_CAN_SCAN_RANGES_LENGTH, OF_KIND},
     {JP_CAN_SCAN_END_FRAME_ID, JP_CAN_SCAN_END_LENGTH, OF_KIND},
+    {JP_CAN_BATTERY_CHARGE_FRAME_ID, JP_CAN_BATTERY_CHARGE_LENGTH, OPERATOR},
     {JP_CAN_OPERATOR_COMMAND_FRAME_ID, JP_CAN_OPERATOR_COMMAND_LENGTH, OPERATOR},
     {JP_CAN_ROUTE_OFFER_FRAME_ID, JP_CAN_ROUTE_OFFER_LENGTH, OPERATOR},
     {JP_CAN_WAYPOINT_FRAME_ID, JP_CAN_WAYPOINT_LENGTH, OPERATOR},
@@ -202,6 +203,8 @@ static const struct {
     {JP_CAN_MAP_DATA_FRAME_ID, JP_CAN_MAP_DATA_LENGTH, OPERATOR},
     {JP_CAN_CELL_CHANGES_FRAME_ID, JP_CAN_CELL_CHANGES_LENGTH, OPERATOR},
     {JP_CAN_MAP_GOAL_FRAME_ID, JP_CAN_MAP_GOAL_LENGTH, OPERATOR},
+    {JP_CAN_ROUND_OFFER_FRAME_ID, JP_CAN_ROUND_OFFER_LENGTH, OPERATOR},
+    {JP_CAN_ROUND_DATA_FRAME_ID, JP_CAN_ROUND_DATA_LENGTH, OPERATOR},
     {JP_CAN_ECU_STATUS_FRAME_ID, JP_CAN_ECU_STATUS_LENGTH, OWN},
     {JP_CAN_ECU_ERRORS_FRAME_ID, JP_CAN_ECU_ERRORS_LENGTH, OWN},
     {JP_CAN_ECU_LOSSES_FRAME_ID, JP_CAN_ECU_LOSSES_LENGTH, OWN},
@@ -232,6 +235,8 @@ static const struct {
     {JP_CAN_PATROL_STATUS_FRAME_ID, JP_CAN_PATROL_STATUS_LENGTH, OWN},
     {JP_CAN_HOME_STATUS_FRAME_ID, JP_CAN_HOME_STATUS_LENGTH, OWN},
     {JP_CAN_HOME_BATTERY_FRAME_ID, JP_CAN_HOME_BATTERY_LENGTH, OWN},
+    {JP_CAN_ROUND_STATUS_FRAME_ID, JP_CAN_ROUND_STATUS_LENGTH, OWN},
+    {JP_CAN_ROUND_BATTERY_FRAME_ID, JP_CAN_ROUND_BATTERY_LENGTH, OWN},
 };
 #define KNOWN (sizeof known / sizeof known[0])
 
@@ -404,13 +409,24 @@ static void take_operator_command(struct jp_ecu *ecu, const struct jp_can_frame 
     }
 }
 
-/** An ECU without a navigator refuses what is meant for one. */
+static bool is_of_round(const struct jp_can_frame *frame)
+{
+    return frame->id == JP_CAN_ROUND_OFFER_FRAME_ID || frame->id == JP_CAN_ROUND_DATA_FRAME_ID ||
+           frame->id == JP_CAN_BATTERY_CHARGE_FRAME_ID;
+}
+
+/** An ECU without a navigator, or without rounds, refuses what is meant for one; what the battery holds is no command.
+ */
 static void take_for_navigator(struct jp_ecu *ecu, const struct jp_can_frame *frame)
 {
-    if (ecu->internal.navigation != NULL) {
-        count_result(&ecu->operator_counts, jp_navigation_accept(ecu->internal.navigation, frame));
-    } else {
+    struct jp_navigation *navigation = ecu->internal.navigation;
+
+    if (navigation != NULL && (!is_of_round(frame) || jp_navigation_goes_round(navigation))) {
+        count_result(&ecu->operator_counts, jp_navigation_accept(navigation, frame));
+    } else if (frame->id != JP_CAN_BATTERY_CHARGE_FRAME_ID) {
         count8(&ecu->operator_counts.rejected);
+    } else {
+        /* Nobody here asks for it. */
     }
 }
 

@@ -312,6 +312,7 @@ static void forget_map(struct jp_navigation *navigation)
     navigation->is_prepared = false;
     navigation->finder.forget(navigation->finder.self);
     navigation->goal = (struct jp_map_goal){.id = 0};
+    navigation->is_round = false;
     navigation->answer = JP_GOAL_NONE;
 }
 
@@ -385,6 +386,14 @@ static enum jp_goal_answer answer_to_goal(const struct jp_navigation *navigation
     return navigation->finder.can_stand(navigation->finder.self, goal) ? JP_GOAL_TAKEN : JP_GOAL_BLOCKED;
 }
 
+static void drop_round(struct jp_navigation *navigation)
+{
+    navigation->is_round = false;
+    if (jp_navigation_goes_round(navigation)) {
+        navigation->finder.drop_round(navigation->finder.self);
+    }
+}
+
 static enum jp_e2e_result accept_goal(struct jp_navigation *navigation, const struct jp_can_frame *frame)
 {
     struct jp_map_goal goal;
@@ -392,8 +401,30 @@ static enum jp_e2e_result accept_goal(struct jp_navigation *navigation, const st
     const bool was_taken = navigation->answer == JP_GOAL_TAKEN || navigation->answer == JP_GOAL_DRIVEN;
 
     if (result == JP_E2E_OK && goal.id != 0U && !(was_taken && goal.id == navigation->goal.id)) {
+        drop_round(navigation);
         navigation->goal = goal;
         navigation->answer = answer_to_goal(navigation);
+    }
+    return result;
+}
+
+bool jp_navigation_goes_round(const struct jp_navigation *navigation)
+{
+    return navigation->finder.accept != NULL;
+}
+
+/** A round that is ready takes the goal's place. */
+static enum jp_e2e_result accept_of_round(struct jp_navigation *navigation, const struct jp_can_frame *frame)
+{
+    const struct jp_wayfinder *finder = &navigation->finder;
+    const uint8_t map = navigation->is_prepared ? navigation->maps.id : 0U;
+    const enum jp_e2e_result result = finder->accept(finder->self, frame, map);
+    const uint8_t ready = finder->round_ready(finder->self);
+
+    if (ready != 0U && !(navigation->is_round && navigation->goal.id == ready)) {
+        navigation->goal = (struct jp_map_goal){.map = map, .id = ready};
+        navigation->is_round = true;
+        navigation->answer = JP_GOAL_TAKEN;
     }
     return result;
 }
@@ -408,8 +439,9 @@ enum jp_e2e_result jp_navigation_accept(struct jp_navigation *navigation, const 
     case JP_CAN_CELL_CHANGES_FRAME_ID:
         return accept_cells(navigation, frame);
     case JP_CAN_MAP_GOAL_FRAME_ID:
-    default:
         return accept_goal(navigation, frame);
+    default:
+        return accept_of_round(navigation, frame);
     }
 }
 
@@ -420,7 +452,9 @@ bool jp_navigation_drive(struct jp_navigation *navigation, uint8_t goal)
     if (navigation->answer != JP_GOAL_TAKEN || goal != navigation->goal.id) {
         return false;
     }
-    const enum jp_status status = navigation->finder.go(navigation->finder.self, &navigation->goal);
+    const struct jp_wayfinder *finder = &navigation->finder;
+    const enum jp_status status =
+        navigation->is_round ? finder->begin_round(finder->self) : finder->go(finder->self, &navigation->goal);
 
     if (status == JP_OK) {
         navigation->answer = JP_GOAL_DRIVEN;
@@ -612,6 +646,20 @@ static void tell_battery(const struct jp_navigation *navigation, struct jp_can_f
     (void)jp_can_home_battery_pack(frame->data, &signals, sizeof frame->data);
 }
 
+/** Frames told. */
+static uint8_t tell_round(const struct jp_navigation *navigation, struct jp_can_frame *frames)
+{
+    const struct jp_wayfinder *finder = &navigation->finder;
+
+    if (!jp_navigation_goes_round(navigation)) {
+        return 0;
+    }
+    begin(&frames[0], JP_CAN_ROUND_STATUS_FRAME_ID);
+    begin(&frames[1], JP_CAN_ROUND_BATTERY_FRAME_ID);
+    finder->tell_round(finder->self, frames);
+    return JP_NAVIGATION_ROUND_FRAMES;
+}
+
 static void report(struct jp_navigation *navigation)
 {
     struct jp_way_report way = {.state = JP_NAVIGATOR_IDLE};
@@ -619,7 +667,9 @@ static void report(struct jp_navigation *navigation)
     if (navigation->is_prepared) {
         navigation->finder.tell(navigation->finder.self, &way);
     }
-    const uint8_t told = tell_legs(navigation, way.legs, count8(way.leg_count), navigation->frames);
+    const uint8_t told_of_round = tell_round(navigation, navigation->frames);
+    const uint8_t told =
+        told_of_round + tell_legs(navigation, way.legs, count8(way.leg_count), &navigation->frames[told_of_round]);
 
     tell_progress(navigation, &way.progress, &navigation->frames[told]);
     tell_state(navigation, &way, &navigation->frames[told + 1U]);

@@ -2,13 +2,14 @@
  * The navigator of a controller on CAN: takes a map, changes of its cells and goals on it in frames, drives to a goal
  * while the operator says so, and tells what it does.
  *
- *   jp_navigation_accept()  each frame of a map, of cells, of a goal
+ *   jp_navigation_accept()  each frame of a map, of cells, of a goal, of a round
  *   jp_navigation_drive()   while the operator commands Navigate
  *   jp_navigation_stop()    when he does not
  *   jp_navigation_work()    a slice of work
  *
  * All of it runs in the background. A map is taken while the navigator is not under way, and goals once it is whole. A
- * goal is driven to once. Memory is the caller's: hal/app/navigation_memory.h has some.
+ * goal is driven to once; so is a round, whose ids are those of goals: the one that came last counts. Memory is the
+ * caller's: hal/app/navigation_memory.h has some.
  */
 #ifndef JOULEPATH_HAL_APP_NAVIGATION_H
 #define JOULEPATH_HAL_APP_NAVIGATION_H
@@ -40,9 +41,10 @@ extern "C" {
 #define JP_NAVIGATION_REPORT_MS   100U
 #define JP_NAVIGATION_REPORT_LEGS 4U
 
-/** Frames of a report: MapStatus, NavigationStatus, NavigationProgress, in turns HomeStatus and HomeBattery, CourseLeg.
- */
-#define JP_NAVIGATION_FRAMES (4U + JP_NAVIGATION_REPORT_LEGS)
+/** Frames of a report: MapStatus, NavigationStatus, NavigationProgress, in turns HomeStatus and HomeBattery, CourseLeg,
+ *  and of who goes round RoundStatus and RoundBattery. */
+#define JP_NAVIGATION_ROUND_FRAMES 2U
+#define JP_NAVIGATION_FRAMES       (4U + JP_NAVIGATION_REPORT_LEGS + JP_NAVIGATION_ROUND_FRAMES)
 
 /** Poses of the way home of a slice. */
 #define JP_NAVIGATION_HOME_SLICE 100U
@@ -135,6 +137,19 @@ struct jp_wayfinder {
     /** A slice; true: there is a new course. */
     bool (*work)(void *self);
     void (*tell)(const void *self, struct jp_way_report *report);
+
+    /* Of who goes round between places of the map, such as ecu_patrol_round.h; else null. */
+
+    /** Takes a RoundOffer, RoundData or BatteryCharge of the right length; `map`: id of that which is there, 0: none.
+     */
+    enum jp_e2e_result (*accept)(void *self, const struct jp_can_frame *frame, uint8_t map);
+    /** Id of the round that waits to be driven; 0: none does. */
+    uint8_t (*round_ready)(const void *self);
+    /** That which waits is forgotten: a goal has come. */
+    void (*drop_round)(void *self);
+    /** JP_ERR_STATE: not yet; other failures: it cannot be driven. */
+    enum jp_status (*begin_round)(void *self);
+    void (*tell_round)(const void *self, struct jp_can_frame frames[JP_NAVIGATION_ROUND_FRAMES]);
 };
 
 /** The members but `maps` and `navigator` are private, and those may only be read. */
@@ -148,7 +163,8 @@ struct jp_navigation {
     int32_t unit_exponent;
     bool is_prepared;           /* for the map */
     enum jp_status home_status; /* of the home of the map */
-    struct jp_map_goal goal;
+    struct jp_map_goal goal;    /* or the round of this id */
+    bool is_round;
     enum jp_goal_answer answer;
     uint8_t course;     /* number of the last one */
     uint8_t leg_told;   /* legs after the one that was told last */
@@ -169,11 +185,14 @@ enum jp_status jp_navigation_init(struct jp_navigation *navigation, const struct
 enum jp_status jp_navigation_init_with(struct jp_navigation *navigation, const struct jp_wayfinder *finder,
                                        const struct jp_map_room *room);
 
-/** Takes a MapOffer, MapData, CellChanges or MapGoal of the right length. Work: cells that change, each as
- * jp_navigator_set_cell(). */
+/** Whether it takes frames of rounds. */
+bool jp_navigation_goes_round(const struct jp_navigation *navigation);
+
+/** Takes a MapOffer, MapData, CellChanges or MapGoal of the right length; of who goes round also a RoundOffer,
+ * RoundData or BatteryCharge. Work: cells that change, each as jp_navigator_set_cell(). */
 enum jp_e2e_result jp_navigation_accept(struct jp_navigation *navigation, const struct jp_can_frame *frame);
 
-/** Drives to the goal of this id, if it waits to be driven to; true when it now does. */
+/** Drives to the goal of this id, or the round, if it waits to be driven; true when it now does. */
 bool jp_navigation_drive(struct jp_navigation *navigation, uint8_t goal);
 
 /** It plans or drives. */

@@ -40,6 +40,8 @@ const char *jp_navigation_failure_text(enum jp_navigation_failure failure)
         [JP_NAVIGATION_STOPPED] = "the robot was told to stand, or heard no commands for 500 ms",
         [JP_NAVIGATION_CAME_HOME] = "the robot has come home again: charge it, or give a goal that can be reached",
         [JP_NAVIGATION_NO_WAY_HOME] = "no way leads home: see HomeState in HomeStatus",
+        [JP_NAVIGATION_ROUND] = "the ECU refuses the round: see Reason, Field and Stop in RoundStatus",
+        [JP_NAVIGATION_ROUND_ENDED] = "the robot has given the round up: see Reason and Stop in RoundStatus",
     };
 
     return texts[failure];
@@ -68,15 +70,14 @@ static void fail(struct jp_navigation_operator *self, enum jp_navigation_failure
 
 /* The task. */
 
-enum jp_status jp_navigation_operator_go(struct jp_navigation_operator *self, const struct jp_map_stream *stream,
-                                         const struct jp_map_goal *goal)
+static bool is_in_range(const struct jp_map_stream *stream)
 {
-    if (self == NULL || stream == NULL || goal == NULL || stream->bytes == NULL ||
-        !jp_can_map_offer_map_id_is_in_range(stream->id) || stream->id > 15U ||
-        !jp_can_map_offer_bytes_is_in_range(stream->length)) {
-        return JP_ERR_ARGUMENT;
-    }
-    const uint8_t before = self->goal.id;
+    return stream->bytes != NULL && jp_can_map_offer_map_id_is_in_range(stream->id) && stream->id <= 15U &&
+           jp_can_map_offer_bytes_is_in_range(stream->length);
+}
+
+static void begin(struct jp_navigation_operator *self, const struct jp_map_stream *stream)
+{
     const uint32_t crc = jp_crc32(0, stream->bytes, stream->length);
 
     if (crc != self->crc || stream->id != self->stream.id) {
@@ -86,13 +87,38 @@ enum jp_status jp_navigation_operator_go(struct jp_navigation_operator *self, co
     }
     self->stream = *stream;
     self->crc = crc;
-    self->goal = *goal;
-    self->goal.id = before;
     self->goal.map = stream->id;
     self->offers = 0;
     self->begun = false;
     enter(self, JP_NAVIGATION_STANDING_UP);
     command_at_once(self);
+}
+
+enum jp_status jp_navigation_operator_go(struct jp_navigation_operator *self, const struct jp_map_stream *stream,
+                                         const struct jp_map_goal *goal)
+{
+    if (self == NULL || stream == NULL || goal == NULL || !is_in_range(stream)) {
+        return JP_ERR_ARGUMENT;
+    }
+    const uint8_t before = self->goal.id;
+
+    self->is_round = false;
+    self->goal = *goal;
+    self->goal.id = before;
+    begin(self, stream);
+    return JP_OK;
+}
+
+enum jp_status jp_navigation_operator_patrol(struct jp_navigation_operator *self, const struct jp_map_stream *stream,
+                                             const struct jp_round_bytes *round)
+{
+    if (self == NULL || stream == NULL || round == NULL || !is_in_range(stream) || round->bytes == NULL ||
+        !jp_can_round_offer_stops_is_in_range(round->stops)) {
+        return JP_ERR_ARGUMENT;
+    }
+    self->is_round = true;
+    self->round_bytes = *round;
+    begin(self, stream);
     return JP_OK;
 }
 
@@ -117,14 +143,17 @@ static void send_map(struct jp_navigation_operator *self)
     self->since_data_ms = DATA_PERIOD_MS;
 }
 
-/** With an id that is neither that of the last goal nor that which the ECU reports. */
+/** With an id that is neither that of the last goal nor one that the ECU reports. */
 static void ask(struct jp_navigation_operator *self)
 {
     enter(self, JP_NAVIGATION_ASKING);
     self->begun = false;
     do {
         self->goal.id = (uint8_t)(self->goal.id == UINT8_MAX ? 1U : self->goal.id + 1U);
-    } while (self->goal.id == self->navigator.goal_id);
+    } while (self->goal.id == self->navigator.goal_id || self->goal.id == self->round.round_id);
+    if (self->is_round) {
+        jp_round_sender_begin(&self->sender, &self->round_bytes, self->stream.id, self->goal.id);
+    }
 }
 
 /* Changes of the map. */
@@ -321,10 +350,55 @@ static void hear_driving(struct jp_navigation_operator *self)
 
 static void hear_navigator(struct jp_navigation_operator *self)
 {
+    if (self->is_round) {
+        return; /* RoundStatus tells of it */
+    }
     if (self->phase == JP_NAVIGATION_ASKING) {
         hear_asking(self);
     } else if (self->phase == JP_NAVIGATION_DRIVING) {
         hear_driving(self);
+    } else {
+        /* It is of no account. */
+    }
+}
+
+static void hear_asking_round(struct jp_navigation_operator *self)
+{
+    switch (jp_round_sender_hear(&self->sender, &self->round)) {
+    case JP_ROUND_ANSWER_TAKEN:
+        enter(self, JP_NAVIGATION_DRIVING);
+        break;
+    case JP_ROUND_ANSWER_REFUSED:
+        fail(self, JP_NAVIGATION_ROUND);
+        break;
+    case JP_ROUND_ANSWER_NONE:
+    default:
+        break;
+    }
+}
+
+static void hear_driving_round(struct jp_navigation_operator *self)
+{
+    if (self->round.round_id != self->goal.id) {
+        fail(self, JP_NAVIGATION_RESTART);
+    } else if (self->round.state == JP_CAN_ROUND_STATUS_STATE_FAILED_CHOICE) {
+        fail(self, JP_NAVIGATION_ROUND_ENDED);
+    } else if (self->round.state == JP_CAN_ROUND_STATUS_STATE_STOPPED_CHOICE) {
+        fail(self, JP_NAVIGATION_STOPPED);
+    } else {
+        self->begun = self->round.state != JP_CAN_ROUND_STATUS_STATE_READY_CHOICE;
+    }
+}
+
+static void hear_round(struct jp_navigation_operator *self)
+{
+    if (!self->is_round) {
+        return; /* it is of another operator */
+    }
+    if (self->phase == JP_NAVIGATION_ASKING) {
+        hear_asking_round(self);
+    } else if (self->phase == JP_NAVIGATION_DRIVING) {
+        hear_driving_round(self);
     } else {
         /* It is of no account. */
     }
@@ -367,6 +441,17 @@ static void accept_navigation_status(struct jp_navigation_operator *self, const 
     }
 }
 
+static void accept_round_status(struct jp_navigation_operator *self, const struct jp_can_frame *frame)
+{
+    const struct jp_can_round_status_t before = self->round;
+
+    (void)jp_can_round_status_unpack(&self->round, frame->data, frame->length);
+    if (self->round.round_id == before.round_id && self->round.state == before.state &&
+        self->round.reason == before.reason) {
+        hear_round(self);
+    }
+}
+
 void jp_navigation_operator_accept(struct jp_navigation_operator *self, const struct jp_can_frame *frame)
 {
     if (frame->id == JP_CAN_ECU_STATUS_FRAME_ID && frame->length == JP_CAN_ECU_STATUS_LENGTH) {
@@ -379,6 +464,10 @@ void jp_navigation_operator_accept(struct jp_navigation_operator *self, const st
         (void)jp_can_home_status_unpack(&self->home, frame->data, frame->length);
     } else if (frame->id == JP_CAN_HOME_BATTERY_FRAME_ID && frame->length == JP_CAN_HOME_BATTERY_LENGTH) {
         (void)jp_can_home_battery_unpack(&self->battery, frame->data, frame->length);
+    } else if (frame->id == JP_CAN_ROUND_STATUS_FRAME_ID && frame->length == JP_CAN_ROUND_STATUS_LENGTH) {
+        accept_round_status(self, frame);
+    } else if (frame->id == JP_CAN_ROUND_BATTERY_FRAME_ID && frame->length == JP_CAN_ROUND_BATTERY_LENGTH) {
+        (void)jp_can_round_battery_unpack(&self->round_battery, frame->data, frame->length);
     } else {
         /* It is of others. */
     }
@@ -504,6 +593,8 @@ static void send_due(struct jp_navigation_operator *self, const struct jp_can_po
         send_offer(self, port);
     } else if (has_data_to_send(self)) {
         send_data(self, port);
+    } else if (self->phase == JP_NAVIGATION_ASKING && self->is_round) {
+        jp_round_sender_send(&self->sender, port);
     } else if (self->phase == JP_NAVIGATION_ASKING && self->since_request_ms >= REQUEST_PERIOD_MS) {
         send_goal(self, port);
     } else {
@@ -524,6 +615,7 @@ static void pass(struct jp_navigation_operator *self, uint32_t time_ms)
     self->since_data_ms += elapsed;
     self->since_request_ms += elapsed;
     self->changes.quiet_ms += elapsed;
+    jp_round_sender_pass(&self->sender, elapsed);
     jp_operator_ear_age(&self->ecu_ear, elapsed);
     jp_operator_ear_age(&self->map_ear, elapsed);
 }

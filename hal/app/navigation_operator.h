@@ -1,6 +1,6 @@
 /**
- * An operator that sends a robot over a map to a goal: hands it the map and what a sensor sees otherwise, and lets it
- * drive, in the frames of joulepath.dbc.
+ * An operator that sends a robot over a map to a goal, or on a round between places: hands it the map and what a sensor
+ * sees otherwise, and lets it drive, in the frames of joulepath.dbc.
  *
  *   idle ─▶ standing up ─▶ sending ─▶ asking ─▶ driving ─▶ done
  *                │            │          │         │
@@ -16,6 +16,7 @@
 
 #include "hal/app/navigation.h"
 #include "hal/app/operator_bus.h"
+#include "hal/app/round_sender.h"
 #include "hal/can/jp_can.h"
 #include "hal/can/operator_link.h"
 
@@ -30,7 +31,7 @@ enum jp_navigation_phase {
     JP_NAVIGATION_IDLE,
     JP_NAVIGATION_STANDING_UP, /**< until the robot balances */
     JP_NAVIGATION_SENDING,     /**< until the map is there */
-    JP_NAVIGATION_ASKING,      /**< until the goal is taken */
+    JP_NAVIGATION_ASKING,      /**< until goal or round is taken */
     JP_NAVIGATION_DRIVING,
     JP_NAVIGATION_DONE,
     JP_NAVIGATION_FAILED
@@ -53,6 +54,8 @@ enum jp_navigation_failure {
     JP_NAVIGATION_STOPPED,     /**< somebody told it to stand, or it heard no commands */
     JP_NAVIGATION_CAME_HOME, /**< what was left would not have brought it home from there, or the goal cannot be had */
     JP_NAVIGATION_NO_WAY_HOME, /**< it did not leave, or could not come home */
+    JP_NAVIGATION_ROUND,       /**< the round is refused: round.reason, field and stop */
+    JP_NAVIGATION_ROUND_ENDED, /**< it has given the round up: round.reason */
     JP_NAVIGATION_FAILURES
 };
 
@@ -77,15 +80,20 @@ struct jp_change_queue {
 struct jp_navigation_operator {
     enum jp_navigation_phase phase;     /**< of the task */
     enum jp_navigation_failure failure; /**< of a phase JP_NAVIGATION_FAILED */
-    struct jp_can_ecu_status_t ecu;     /**< last heard, as the next four */
+    struct jp_can_ecu_status_t ecu;     /**< last heard, as the next six */
     struct jp_can_map_status_t map;
     struct jp_can_navigation_status_t navigator;
     struct jp_can_home_status_t home;
     struct jp_can_home_battery_t battery;
+    struct jp_can_round_status_t round;
+    struct jp_can_round_battery_t round_battery;
 
     struct jp_map_stream stream;
     uint32_t crc;
-    struct jp_map_goal goal;
+    struct jp_map_goal goal; /* or the round of its id */
+    bool is_round;
+    struct jp_round_bytes round_bytes;
+    struct jp_round_sender sender;
     struct jp_change_queue changes;
     struct jp_operator_ear ecu_ear;
     struct jp_operator_ear map_ear;
@@ -110,6 +118,11 @@ struct jp_navigation_operator {
  *  shows must stay. JP_ERR_ARGUMENT: a null pointer, or an id or length out of range. */
 enum jp_status jp_navigation_operator_go(struct jp_navigation_operator *self, const struct jp_map_stream *stream,
                                          const struct jp_map_goal *goal);
+
+/** The same with a round, whose id is chosen here; it is driven until it ends or is stopped. What `stream` and `round`
+ *  show must stay. JP_ERR_ARGUMENT: also stops out of range. */
+enum jp_status jp_navigation_operator_patrol(struct jp_navigation_operator *self, const struct jp_map_stream *stream,
+                                             const struct jp_round_bytes *round);
 
 /** A sensor sees on a cell what the map does not show. JP_ERR_BUSY: too many wait; tell it later. */
 enum jp_status jp_navigation_operator_see(struct jp_navigation_operator *self, uint16_t x, uint16_t y,

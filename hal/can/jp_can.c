@@ -1260,6 +1260,89 @@ bool jp_can_scan_end_ranges_crc_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
+int jp_can_battery_charge_pack(
+    uint8_t *dst_p,
+    const struct jp_can_battery_charge_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[4] |= pack_left_shift_u32(src_p->held, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(src_p->held, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(src_p->held, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(src_p->held, 24u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_battery_charge_unpack(
+    struct jp_can_battery_charge_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->held = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    dst_p->held |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    dst_p->held |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    dst_p->held |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_battery_charge_init(struct jp_can_battery_charge_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_battery_charge_t));
+
+    return 0;
+}
+
+bool jp_can_battery_charge_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_battery_charge_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_battery_charge_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_battery_charge_counter_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_battery_charge_held_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_battery_charge_held_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 268435455.9375));
+}
+
 int jp_can_operator_command_pack(
     uint8_t *dst_p,
     const struct jp_can_operator_command_t *src_p,
@@ -2169,6 +2252,222 @@ bool jp_can_map_goal_heading_is_in_range(int16_t value)
 bool jp_can_map_goal_heading_is_in_phys_range(double value)
 {
     return ((value >= -0.5) && (value <= 0.499755859375));
+}
+
+int jp_can_round_offer_pack(
+    uint8_t *dst_p,
+    const struct jp_can_round_offer_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u8(src_p->map_id, 4u, 0xf0u);
+    dst_p[2] |= pack_left_shift_u8(src_p->round_id, 0u, 0xffu);
+    dst_p[3] |= pack_left_shift_u8(src_p->stops, 0u, 0xffu);
+    dst_p[4] |= pack_left_shift_u32(src_p->round_crc, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(src_p->round_crc, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(src_p->round_crc, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(src_p->round_crc, 24u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_round_offer_unpack(
+    struct jp_can_round_offer_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->map_id = unpack_right_shift_u8(src_p[1], 4u, 0xf0u);
+    dst_p->round_id = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
+    dst_p->stops = unpack_right_shift_u8(src_p[3], 0u, 0xffu);
+    dst_p->round_crc = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    dst_p->round_crc |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    dst_p->round_crc |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    dst_p->round_crc |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_round_offer_init(struct jp_can_round_offer_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_round_offer_t));
+
+    return 0;
+}
+
+bool jp_can_round_offer_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_round_offer_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_round_offer_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_round_offer_counter_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_round_offer_map_id_is_in_range(uint8_t value)
+{
+    return ((value >= 1u) && (value <= 15u));
+}
+
+bool jp_can_round_offer_map_id_is_in_phys_range(double value)
+{
+    return ((value >= 1.0) && (value <= 15.0));
+}
+
+bool jp_can_round_offer_round_id_is_in_range(uint8_t value)
+{
+    return (value >= 1u);
+}
+
+bool jp_can_round_offer_round_id_is_in_phys_range(double value)
+{
+    return ((value >= 1.0) && (value <= 255.0));
+}
+
+bool jp_can_round_offer_stops_is_in_range(uint8_t value)
+{
+    return ((value >= 1u) && (value <= 15u));
+}
+
+bool jp_can_round_offer_stops_is_in_phys_range(double value)
+{
+    return ((value >= 1.0) && (value <= 15.0));
+}
+
+bool jp_can_round_offer_round_crc_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_round_offer_round_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+int jp_can_round_data_pack(
+    uint8_t *dst_p,
+    const struct jp_can_round_data_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u16(src_p->index, 4u, 0xf0u);
+    dst_p[2] |= pack_right_shift_u16(src_p->index, 4u, 0xffu);
+    dst_p[3] |= pack_left_shift_u64(src_p->data, 0u, 0xffu);
+    dst_p[4] |= pack_right_shift_u64(src_p->data, 8u, 0xffu);
+    dst_p[5] |= pack_right_shift_u64(src_p->data, 16u, 0xffu);
+    dst_p[6] |= pack_right_shift_u64(src_p->data, 24u, 0xffu);
+    dst_p[7] |= pack_right_shift_u64(src_p->data, 32u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_round_data_unpack(
+    struct jp_can_round_data_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->index = unpack_right_shift_u16(src_p[1], 4u, 0xf0u);
+    dst_p->index |= unpack_left_shift_u16(src_p[2], 4u, 0xffu);
+    dst_p->data = unpack_right_shift_u64(src_p[3], 0u, 0xffu);
+    dst_p->data |= unpack_left_shift_u64(src_p[4], 8u, 0xffu);
+    dst_p->data |= unpack_left_shift_u64(src_p[5], 16u, 0xffu);
+    dst_p->data |= unpack_left_shift_u64(src_p[6], 24u, 0xffu);
+    dst_p->data |= unpack_left_shift_u64(src_p[7], 32u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_round_data_init(struct jp_can_round_data_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_round_data_t));
+
+    return 0;
+}
+
+bool jp_can_round_data_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_round_data_crc_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_round_data_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_round_data_counter_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_round_data_index_is_in_range(uint16_t value)
+{
+    return (value <= 52u);
+}
+
+bool jp_can_round_data_index_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 52.0));
+}
+
+bool jp_can_round_data_data_is_in_range(uint64_t value)
+{
+    return (value <= 1099511627775ull);
+}
+
+bool jp_can_round_data_data_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1099511627775.0));
 }
 
 int jp_can_ecu_status_pack(
@@ -5410,6 +5709,238 @@ bool jp_can_home_battery_left_deviation_is_in_range(uint32_t value)
 }
 
 bool jp_can_home_battery_left_deviation_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 268435455.9375));
+}
+
+int jp_can_round_status_pack(
+    uint8_t *dst_p,
+    const struct jp_can_round_status_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->round_id, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->state, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u8(src_p->reason, 4u, 0xf0u);
+    dst_p[2] |= pack_left_shift_u8(src_p->field, 0u, 0x0fu);
+    dst_p[2] |= pack_left_shift_u8(src_p->stop, 4u, 0xf0u);
+    dst_p[3] |= pack_left_shift_u8(src_p->received, 0u, 0xffu);
+    dst_p[4] |= pack_left_shift_u16(src_p->visits, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u16(src_p->visits, 8u, 0xffu);
+    dst_p[6] |= pack_left_shift_u8(src_p->charges, 0u, 0xffu);
+    dst_p[7] |= pack_left_shift_u8(src_p->skipped, 0u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_round_status_unpack(
+    struct jp_can_round_status_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->round_id = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->state = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->reason = unpack_right_shift_u8(src_p[1], 4u, 0xf0u);
+    dst_p->field = unpack_right_shift_u8(src_p[2], 0u, 0x0fu);
+    dst_p->stop = unpack_right_shift_u8(src_p[2], 4u, 0xf0u);
+    dst_p->received = unpack_right_shift_u8(src_p[3], 0u, 0xffu);
+    dst_p->visits = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
+    dst_p->visits |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
+    dst_p->charges = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
+    dst_p->skipped = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_round_status_init(struct jp_can_round_status_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_round_status_t));
+
+    return 0;
+}
+
+bool jp_can_round_status_round_id_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_round_status_round_id_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_round_status_state_is_in_range(uint8_t value)
+{
+    return (value <= 11u);
+}
+
+bool jp_can_round_status_state_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 11.0));
+}
+
+bool jp_can_round_status_reason_is_in_range(uint8_t value)
+{
+    return (value <= 13u);
+}
+
+bool jp_can_round_status_reason_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 13.0));
+}
+
+bool jp_can_round_status_field_is_in_range(uint8_t value)
+{
+    return (value <= 7u);
+}
+
+bool jp_can_round_status_field_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 7.0));
+}
+
+bool jp_can_round_status_stop_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool jp_can_round_status_stop_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+bool jp_can_round_status_received_is_in_range(uint8_t value)
+{
+    return (value <= 53u);
+}
+
+bool jp_can_round_status_received_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 53.0));
+}
+
+bool jp_can_round_status_visits_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_round_status_visits_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+bool jp_can_round_status_charges_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_round_status_charges_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+bool jp_can_round_status_skipped_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_round_status_skipped_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+int jp_can_round_battery_pack(
+    uint8_t *dst_p,
+    const struct jp_can_round_battery_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->held, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->held, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->held, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->held, 24u, 0xffu);
+    dst_p[4] |= pack_left_shift_u32(src_p->least_left, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(src_p->least_left, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(src_p->least_left, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(src_p->least_left, 24u, 0xffu);
+
+    return (8);
+}
+
+int jp_can_round_battery_unpack(
+    struct jp_can_round_battery_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->held = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->held |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->held |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->held |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    dst_p->least_left = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    dst_p->least_left |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    dst_p->least_left |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    dst_p->least_left |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+
+    return (0);
+}
+
+int jp_can_round_battery_init(struct jp_can_round_battery_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct jp_can_round_battery_t));
+
+    return 0;
+}
+
+bool jp_can_round_battery_held_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_round_battery_held_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 268435455.9375));
+}
+
+bool jp_can_round_battery_least_left_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool jp_can_round_battery_least_left_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 268435455.9375));
 }

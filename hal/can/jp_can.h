@@ -55,6 +55,7 @@ extern "C" {
 #define JP_CAN_SCAN_BEGIN_FRAME_ID (0x30u)
 #define JP_CAN_SCAN_RANGES_FRAME_ID (0x31u)
 #define JP_CAN_SCAN_END_FRAME_ID (0x32u)
+#define JP_CAN_BATTERY_CHARGE_FRAME_ID (0x33u)
 #define JP_CAN_OPERATOR_COMMAND_FRAME_ID (0x100u)
 #define JP_CAN_ROUTE_OFFER_FRAME_ID (0x101u)
 #define JP_CAN_WAYPOINT_FRAME_ID (0x102u)
@@ -63,6 +64,8 @@ extern "C" {
 #define JP_CAN_MAP_DATA_FRAME_ID (0x105u)
 #define JP_CAN_CELL_CHANGES_FRAME_ID (0x106u)
 #define JP_CAN_MAP_GOAL_FRAME_ID (0x107u)
+#define JP_CAN_ROUND_OFFER_FRAME_ID (0x108u)
+#define JP_CAN_ROUND_DATA_FRAME_ID (0x109u)
 #define JP_CAN_ECU_STATUS_FRAME_ID (0x180u)
 #define JP_CAN_ECU_ERRORS_FRAME_ID (0x181u)
 #define JP_CAN_ECU_LOSSES_FRAME_ID (0x182u)
@@ -93,6 +96,8 @@ extern "C" {
 #define JP_CAN_PATROL_STATUS_FRAME_ID (0x19bu)
 #define JP_CAN_HOME_STATUS_FRAME_ID (0x19cu)
 #define JP_CAN_HOME_BATTERY_FRAME_ID (0x19du)
+#define JP_CAN_ROUND_STATUS_FRAME_ID (0x19eu)
+#define JP_CAN_ROUND_BATTERY_FRAME_ID (0x19fu)
 #define JP_CAN_SIM_TIME_FRAME_ID (0x7f0u)
 #define JP_CAN_SIM_DONE_FRAME_ID (0x7f1u)
 
@@ -107,6 +112,7 @@ extern "C" {
 #define JP_CAN_SCAN_BEGIN_LENGTH (4u)
 #define JP_CAN_SCAN_RANGES_LENGTH (8u)
 #define JP_CAN_SCAN_END_LENGTH (8u)
+#define JP_CAN_BATTERY_CHARGE_LENGTH (8u)
 #define JP_CAN_OPERATOR_COMMAND_LENGTH (4u)
 #define JP_CAN_ROUTE_OFFER_LENGTH (8u)
 #define JP_CAN_WAYPOINT_LENGTH (8u)
@@ -115,6 +121,8 @@ extern "C" {
 #define JP_CAN_MAP_DATA_LENGTH (8u)
 #define JP_CAN_CELL_CHANGES_LENGTH (8u)
 #define JP_CAN_MAP_GOAL_LENGTH (8u)
+#define JP_CAN_ROUND_OFFER_LENGTH (8u)
+#define JP_CAN_ROUND_DATA_LENGTH (8u)
 #define JP_CAN_ECU_STATUS_LENGTH (8u)
 #define JP_CAN_ECU_ERRORS_LENGTH (8u)
 #define JP_CAN_ECU_LOSSES_LENGTH (8u)
@@ -145,6 +153,8 @@ extern "C" {
 #define JP_CAN_PATROL_STATUS_LENGTH (8u)
 #define JP_CAN_HOME_STATUS_LENGTH (8u)
 #define JP_CAN_HOME_BATTERY_LENGTH (8u)
+#define JP_CAN_ROUND_STATUS_LENGTH (8u)
+#define JP_CAN_ROUND_BATTERY_LENGTH (8u)
 #define JP_CAN_SIM_TIME_LENGTH (8u)
 #define JP_CAN_SIM_DONE_LENGTH (4u)
 
@@ -159,6 +169,7 @@ extern "C" {
 #define JP_CAN_SCAN_BEGIN_IS_EXTENDED (0)
 #define JP_CAN_SCAN_RANGES_IS_EXTENDED (0)
 #define JP_CAN_SCAN_END_IS_EXTENDED (0)
+#define JP_CAN_BATTERY_CHARGE_IS_EXTENDED (0)
 #define JP_CAN_OPERATOR_COMMAND_IS_EXTENDED (0)
 #define JP_CAN_ROUTE_OFFER_IS_EXTENDED (0)
 #define JP_CAN_WAYPOINT_IS_EXTENDED (0)
@@ -167,6 +178,8 @@ extern "C" {
 #define JP_CAN_MAP_DATA_IS_EXTENDED (0)
 #define JP_CAN_CELL_CHANGES_IS_EXTENDED (0)
 #define JP_CAN_MAP_GOAL_IS_EXTENDED (0)
+#define JP_CAN_ROUND_OFFER_IS_EXTENDED (0)
+#define JP_CAN_ROUND_DATA_IS_EXTENDED (0)
 #define JP_CAN_ECU_STATUS_IS_EXTENDED (0)
 #define JP_CAN_ECU_ERRORS_IS_EXTENDED (0)
 #define JP_CAN_ECU_LOSSES_IS_EXTENDED (0)
@@ -197,6 +210,8 @@ extern "C" {
 #define JP_CAN_PATROL_STATUS_IS_EXTENDED (0)
 #define JP_CAN_HOME_STATUS_IS_EXTENDED (0)
 #define JP_CAN_HOME_BATTERY_IS_EXTENDED (0)
+#define JP_CAN_ROUND_STATUS_IS_EXTENDED (0)
+#define JP_CAN_ROUND_BATTERY_IS_EXTENDED (0)
 #define JP_CAN_SIM_TIME_IS_EXTENDED (0)
 #define JP_CAN_SIM_DONE_IS_EXTENDED (0)
 
@@ -211,6 +226,7 @@ extern "C" {
 #define JP_CAN_SCAN_BEGIN_CYCLE_TIME_MS (100u)
 #define JP_CAN_SCAN_RANGES_CYCLE_TIME_MS (1u)
 #define JP_CAN_SCAN_END_CYCLE_TIME_MS (100u)
+#define JP_CAN_BATTERY_CHARGE_CYCLE_TIME_MS (100u)
 #define JP_CAN_OPERATOR_COMMAND_CYCLE_TIME_MS (100u)
 #define JP_CAN_GOAL_CYCLE_TIME_MS (100u)
 #define JP_CAN_ECU_STATUS_CYCLE_TIME_MS (100u)
@@ -239,6 +255,8 @@ extern "C" {
 #define JP_CAN_PATROL_STATUS_CYCLE_TIME_MS (100u)
 #define JP_CAN_HOME_STATUS_CYCLE_TIME_MS (200u)
 #define JP_CAN_HOME_BATTERY_CYCLE_TIME_MS (200u)
+#define JP_CAN_ROUND_STATUS_CYCLE_TIME_MS (100u)
+#define JP_CAN_ROUND_BATTERY_CYCLE_TIME_MS (100u)
 
 /* Signal choices. */
 #define JP_CAN_WHEEL_TARGET_WHEEL_FRONT_LEFT_CHOICE (0u)
@@ -407,6 +425,43 @@ extern "C" {
 #define JP_CAN_HOME_STATUS_HOME_STATE_TOO_LITTLE_CHOICE (7u)
 #define JP_CAN_HOME_STATUS_HOME_STATE_TURNING_BACK_CHOICE (8u)
 
+#define JP_CAN_ROUND_STATUS_STATE_NONE_CHOICE (0u)
+#define JP_CAN_ROUND_STATUS_STATE_RECEIVING_CHOICE (1u)
+#define JP_CAN_ROUND_STATUS_STATE_REJECTED_CHOICE (2u)
+#define JP_CAN_ROUND_STATUS_STATE_READY_CHOICE (3u)
+#define JP_CAN_ROUND_STATUS_STATE_SURVEYING_CHOICE (4u)
+#define JP_CAN_ROUND_STATUS_STATE_CHARGING_CHOICE (5u)
+#define JP_CAN_ROUND_STATUS_STATE_LEAVING_CHOICE (6u)
+#define JP_CAN_ROUND_STATUS_STATE_DWELLING_CHOICE (7u)
+#define JP_CAN_ROUND_STATUS_STATE_HOMING_CHOICE (8u)
+#define JP_CAN_ROUND_STATUS_STATE_WAITING_CHOICE (9u)
+#define JP_CAN_ROUND_STATUS_STATE_FAILED_CHOICE (10u)
+#define JP_CAN_ROUND_STATUS_STATE_STOPPED_CHOICE (11u)
+
+#define JP_CAN_ROUND_STATUS_REASON_NONE_CHOICE (0u)
+#define JP_CAN_ROUND_STATUS_REASON_UNDER_WAY_CHOICE (1u)
+#define JP_CAN_ROUND_STATUS_REASON_NO_MAP_CHOICE (2u)
+#define JP_CAN_ROUND_STATUS_REASON_OTHER_MAP_CHOICE (3u)
+#define JP_CAN_ROUND_STATUS_REASON_ROUND_CRC_CHOICE (4u)
+#define JP_CAN_ROUND_STATUS_REASON_FIELD_CHOICE (5u)
+#define JP_CAN_ROUND_STATUS_REASON_BLOCKED_CHOICE (6u)
+#define JP_CAN_ROUND_STATUS_REASON_NO_BATTERY_CHOICE (7u)
+#define JP_CAN_ROUND_STATUS_REASON_NO_WAY_CHOICE (8u)
+#define JP_CAN_ROUND_STATUS_REASON_NO_ENERGY_CHOICE (9u)
+#define JP_CAN_ROUND_STATUS_REASON_DRIVES_OFF_CHOICE (10u)
+#define JP_CAN_ROUND_STATUS_REASON_FAULT_CHOICE (11u)
+#define JP_CAN_ROUND_STATUS_REASON_TOLD_CHOICE (12u)
+#define JP_CAN_ROUND_STATUS_REASON_MAP_GONE_CHOICE (13u)
+
+#define JP_CAN_ROUND_STATUS_FIELD_NONE_CHOICE (0u)
+#define JP_CAN_ROUND_STATUS_FIELD_STOP_POSE_CHOICE (1u)
+#define JP_CAN_ROUND_STATUS_FIELD_STOP_DWELL_CHOICE (2u)
+#define JP_CAN_ROUND_STATUS_FIELD_CHARGER_CHOICE (3u)
+#define JP_CAN_ROUND_STATUS_FIELD_FULL_CHOICE (4u)
+#define JP_CAN_ROUND_STATUS_FIELD_RESERVE_CHOICE (5u)
+#define JP_CAN_ROUND_STATUS_FIELD_DEVIATIONS_CHOICE (6u)
+#define JP_CAN_ROUND_STATUS_FIELD_STOPS_CHOICE (7u)
+
 /* Frame Names. */
 #define JP_CAN_MOTOR_COMMAND_NAME "MotorCommand"
 #define JP_CAN_WHEEL_TARGET_NAME "WheelTarget"
@@ -418,6 +473,7 @@ extern "C" {
 #define JP_CAN_SCAN_BEGIN_NAME "ScanBegin"
 #define JP_CAN_SCAN_RANGES_NAME "ScanRanges"
 #define JP_CAN_SCAN_END_NAME "ScanEnd"
+#define JP_CAN_BATTERY_CHARGE_NAME "BatteryCharge"
 #define JP_CAN_OPERATOR_COMMAND_NAME "OperatorCommand"
 #define JP_CAN_ROUTE_OFFER_NAME "RouteOffer"
 #define JP_CAN_WAYPOINT_NAME "Waypoint"
@@ -426,6 +482,8 @@ extern "C" {
 #define JP_CAN_MAP_DATA_NAME "MapData"
 #define JP_CAN_CELL_CHANGES_NAME "CellChanges"
 #define JP_CAN_MAP_GOAL_NAME "MapGoal"
+#define JP_CAN_ROUND_OFFER_NAME "RoundOffer"
+#define JP_CAN_ROUND_DATA_NAME "RoundData"
 #define JP_CAN_ECU_STATUS_NAME "EcuStatus"
 #define JP_CAN_ECU_ERRORS_NAME "EcuErrors"
 #define JP_CAN_ECU_LOSSES_NAME "EcuLosses"
@@ -456,6 +514,8 @@ extern "C" {
 #define JP_CAN_PATROL_STATUS_NAME "PatrolStatus"
 #define JP_CAN_HOME_STATUS_NAME "HomeStatus"
 #define JP_CAN_HOME_BATTERY_NAME "HomeBattery"
+#define JP_CAN_ROUND_STATUS_NAME "RoundStatus"
+#define JP_CAN_ROUND_BATTERY_NAME "RoundBattery"
 #define JP_CAN_SIM_TIME_NAME "SimTime"
 #define JP_CAN_SIM_DONE_NAME "SimDone"
 
@@ -504,6 +564,9 @@ extern "C" {
 #define JP_CAN_SCAN_END_CRC_NAME "Crc"
 #define JP_CAN_SCAN_END_COUNTER_NAME "Counter"
 #define JP_CAN_SCAN_END_RANGES_CRC_NAME "RangesCrc"
+#define JP_CAN_BATTERY_CHARGE_CRC_NAME "Crc"
+#define JP_CAN_BATTERY_CHARGE_COUNTER_NAME "Counter"
+#define JP_CAN_BATTERY_CHARGE_HELD_NAME "Held"
 #define JP_CAN_OPERATOR_COMMAND_CRC_NAME "Crc"
 #define JP_CAN_OPERATOR_COMMAND_COUNTER_NAME "Counter"
 #define JP_CAN_OPERATOR_COMMAND_MODE_NAME "Mode"
@@ -544,6 +607,16 @@ extern "C" {
 #define JP_CAN_MAP_GOAL_ROW_NAME "Row"
 #define JP_CAN_MAP_GOAL_HAS_HEADING_NAME "HasHeading"
 #define JP_CAN_MAP_GOAL_HEADING_NAME "Heading"
+#define JP_CAN_ROUND_OFFER_CRC_NAME "Crc"
+#define JP_CAN_ROUND_OFFER_COUNTER_NAME "Counter"
+#define JP_CAN_ROUND_OFFER_MAP_ID_NAME "MapId"
+#define JP_CAN_ROUND_OFFER_ROUND_ID_NAME "RoundId"
+#define JP_CAN_ROUND_OFFER_STOPS_NAME "Stops"
+#define JP_CAN_ROUND_OFFER_ROUND_CRC_NAME "RoundCrc"
+#define JP_CAN_ROUND_DATA_CRC_NAME "Crc"
+#define JP_CAN_ROUND_DATA_COUNTER_NAME "Counter"
+#define JP_CAN_ROUND_DATA_INDEX_NAME "Index"
+#define JP_CAN_ROUND_DATA_DATA_NAME "Data"
 #define JP_CAN_ECU_STATUS_STATE_NAME "State"
 #define JP_CAN_ECU_STATUS_MODE_NAME "Mode"
 #define JP_CAN_ECU_STATUS_OPERATOR_STATE_NAME "OperatorState"
@@ -672,6 +745,17 @@ extern "C" {
 #define JP_CAN_HOME_STATUS_WAY_DEVIATION_NAME "WayDeviation"
 #define JP_CAN_HOME_BATTERY_LEFT_NAME "Left"
 #define JP_CAN_HOME_BATTERY_LEFT_DEVIATION_NAME "LeftDeviation"
+#define JP_CAN_ROUND_STATUS_ROUND_ID_NAME "RoundId"
+#define JP_CAN_ROUND_STATUS_STATE_NAME "State"
+#define JP_CAN_ROUND_STATUS_REASON_NAME "Reason"
+#define JP_CAN_ROUND_STATUS_FIELD_NAME "Field"
+#define JP_CAN_ROUND_STATUS_STOP_NAME "Stop"
+#define JP_CAN_ROUND_STATUS_RECEIVED_NAME "Received"
+#define JP_CAN_ROUND_STATUS_VISITS_NAME "Visits"
+#define JP_CAN_ROUND_STATUS_CHARGES_NAME "Charges"
+#define JP_CAN_ROUND_STATUS_SKIPPED_NAME "Skipped"
+#define JP_CAN_ROUND_BATTERY_HELD_NAME "Held"
+#define JP_CAN_ROUND_BATTERY_LEAST_LEFT_NAME "LeastLeft"
 #define JP_CAN_SIM_TIME_TICK_NAME "Tick"
 #define JP_CAN_SIM_TIME_POWER_NAME "Power"
 #define JP_CAN_SIM_TIME_BUS_OFF_NAME "BusOff"
@@ -1158,6 +1242,40 @@ struct jp_can_scan_end_t {
 };
 
 /**
+ * Signals in message BatteryCharge.
+ *
+ * What the battery holds, by its charger or its management, for rounds: again and again while it is charged, at least once after it. From then on the ECU counts what leaves it.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_battery_charge_t {
+    /**
+     * AUTOSAR E2E profile 2: CRC-8H2F of bytes 1 to the last and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * AUTOSAR E2E profile 2: one more each time, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * Range: 0..4294967295 (0..268435455.9375 J)
+     * Scale: 0.0625
+     * Offset: 0
+     */
+    uint32_t held;
+};
+
+/**
  * Signals in message OperatorCommand.
  *
  * What the robot shall do, again and again. Without a valid one for 500 ms a driving robot brakes to a stand and drives again only after a valid Stand.
@@ -1184,7 +1302,7 @@ struct jp_can_operator_command_t {
     uint8_t counter;
 
     /**
-     * Stand is obeyed at once, Off, Drive and Navigate when three follow each other without a gap. Stand stops a driving robot whatever its Counter, so from any node; three of the others follow each other only with no Stand between them. A route, or a goal on the map, is driven once; Navigate ends a route, and Drive the way to such a goal.
+     * Stand is obeyed at once, Off, Drive and Navigate when three follow each other without a gap. Stand stops a driving robot whatever its Counter, so from any node; three of the others follow each other only with no Stand between them. A route, a goal on the map, or a round is driven once; Navigate ends a route, and Drive the way to such a goal.
      *
      * Range: 0..3 (0..3 -)
      * Scale: 1
@@ -1193,7 +1311,7 @@ struct jp_can_operator_command_t {
     uint8_t mode;
 
     /**
-     * Drive: the route to drive; 0 is the last Goal. Navigate: GoalId of the MapGoal.
+     * Drive: the route to drive; 0 is the last Goal. Navigate: GoalId of the MapGoal, or RoundId of the round.
      *
      * Range: 0..255 (0..255 -)
      * Scale: 1
@@ -1583,6 +1701,114 @@ struct jp_can_map_goal_t {
      * Offset: 0
      */
     int16_t heading;
+};
+
+/**
+ * Signals in message RoundOffer.
+ *
+ * Announces a round between places of the map and home to a charger, where the ECU drives rounds (a robot with four steered wheels); RoundData follows, from the frame that RoundStatus asks for. The same offer again changes nothing, and begins anew what was rejected. Another one replaces the round or the MapGoal; under way it is refused.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_round_offer_t {
+    /**
+     * AUTOSAR E2E profile 2: CRC-8H2F of bytes 1 to the last and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * AUTOSAR E2E profile 2: one more each time, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * Of the map that is meant.
+     *
+     * Range: 1..15 (1..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t map_id;
+
+    /**
+     * 1 to 255, another one than that of the last round or goal: Navigate with it drives the round.
+     *
+     * Range: 1..255 (1..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t round_id;
+
+    /**
+     * Places of the round.
+     *
+     * Range: 1..15 (1..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t stops;
+
+    /**
+     * CRC-32 (zlib) of the round's bytes.
+     *
+     * Range: 0..4294967295 (0..4294967295 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t round_crc;
+};
+
+/**
+ * Signals in message RoundData.
+ *
+ * The next five bytes of the round, the last ones filled up with 0. Taken if it is the frame that RoundStatus asks for, else not.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_round_data_t {
+    /**
+     * AUTOSAR E2E profile 2: CRC-8H2F of bytes 1 to the last and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * AUTOSAR E2E profile 2: one more each time, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * The frame's number, from 0.
+     *
+     * Range: 0..52 (0..52 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t index;
+
+    /**
+     * First byte lowest. The round, little-endian, 32 bits each: the charger's X and Y in 2^-16 m from the map's south-west corner and its heading left of X in 2^-32 turn; energy in the battery from which on the robot leaves the charger, and that which shall be left there, in 2^-4 J; deviations of the forecast that are kept, in 2^-16: 1.645 are 95 %. Then of each stop: X, Y, heading; how long it stays, in 2^-8 s.
+     *
+     * Range: 0..1099511627775 (0..1099511627775 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint64_t data;
 };
 
 /**
@@ -2502,7 +2728,7 @@ struct jp_can_map_status_t {
  */
 struct jp_can_navigation_status_t {
     /**
-     * Of the last MapGoal; 0: none.
+     * Of the last MapGoal, or of the round that replaced it; 0: none.
      *
      * Range: 0..255 (0..255 -)
      * Scale: 1
@@ -2919,6 +3145,121 @@ struct jp_can_home_battery_t {
      * Offset: 0
      */
     uint32_t left_deviation;
+};
+
+/**
+ * Signals in message RoundStatus.
+ *
+ * Of the round. Sent with RoundBattery where the ECU drives rounds.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_round_status_t {
+    /**
+     * Of the last RoundOffer; 0: none.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t round_id;
+
+    /**
+     * Ready: Navigate with its RoundId drives it. Waiting: there is no way now, it tries again; or it is about to set out for the charger.
+     *
+     * Range: 0..11 (0..11 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t state;
+
+    /**
+     * Why it is refused, waits, has failed or was stopped. NoEnergy: a full battery does not suffice for Stop and back. NoBattery: no BatteryCharge has come. Told: by the operator, or his commands got lost.
+     *
+     * Range: 0..13 (0..13 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t reason;
+
+    /**
+     * With reason Field: what is out of range.
+     *
+     * Range: 0..7 (0..7 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t field;
+
+    /**
+     * That it goes to or stays at, or that the reason is of, from 0; as many as there are stops: the charger.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t stop;
+
+    /**
+     * RoundData taken: number of the frame that is to come.
+     *
+     * Range: 0..53 (0..53 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t received;
+
+    /**
+     * Of stops, in this round; stops at its maximum, as the next two.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t visits;
+
+    /**
+     * Times that it came home.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t charges;
+
+    /**
+     * Stops that it could not get to.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t skipped;
+};
+
+/**
+ * Signals in message RoundBattery.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct jp_can_round_battery_t {
+    /**
+     * What the battery holds now; 0: no BatteryCharge has come.
+     *
+     * Range: 0..4294967295 (0..268435455.9375 J)
+     * Scale: 0.0625
+     * Offset: 0
+     */
+    uint32_t held;
+
+    /**
+     * Least energy with which the robot came home in this round; the greatest value: it has not yet.
+     *
+     * Range: 0..4294967295 (0..268435455.9375 J)
+     * Scale: 0.0625
+     * Offset: 0
+     */
+    uint32_t least_left;
 };
 
 /**
@@ -4328,6 +4669,109 @@ bool jp_can_scan_end_ranges_crc_is_in_range(uint32_t value);
 bool jp_can_scan_end_ranges_crc_is_in_phys_range(double value);
 
 /**
+ * Pack message BatteryCharge.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_battery_charge_pack(
+    uint8_t *dst_p,
+    const struct jp_can_battery_charge_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message BatteryCharge.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_battery_charge_unpack(
+    struct jp_can_battery_charge_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from BatteryCharge.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_battery_charge_init(struct jp_can_battery_charge_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_battery_charge_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_battery_charge_crc_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_battery_charge_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_battery_charge_counter_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_battery_charge_held_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_battery_charge_held_is_in_phys_range(double value);
+
+/**
  * Pack message OperatorCommand.
  *
  * @param[out] dst_p Buffer to pack the message into.
@@ -5502,6 +5946,300 @@ bool jp_can_map_goal_heading_is_in_range(int16_t value);
  * @return true if in range, false otherwise.
  */
 bool jp_can_map_goal_heading_is_in_phys_range(double value);
+
+/**
+ * Pack message RoundOffer.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_round_offer_pack(
+    uint8_t *dst_p,
+    const struct jp_can_round_offer_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message RoundOffer.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_round_offer_unpack(
+    struct jp_can_round_offer_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from RoundOffer.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_round_offer_init(struct jp_can_round_offer_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_offer_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_offer_crc_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_offer_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_offer_counter_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_offer_map_id_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_offer_map_id_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_offer_round_id_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_offer_round_id_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_offer_stops_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_offer_stops_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_offer_round_crc_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_offer_round_crc_is_in_phys_range(double value);
+
+/**
+ * Pack message RoundData.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_round_data_pack(
+    uint8_t *dst_p,
+    const struct jp_can_round_data_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message RoundData.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_round_data_unpack(
+    struct jp_can_round_data_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from RoundData.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_round_data_init(struct jp_can_round_data_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_data_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_data_crc_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_data_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_data_counter_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_data_index_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_data_index_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_data_data_is_in_range(uint64_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_data_data_is_in_phys_range(double value);
 
 /**
  * Pack message EcuStatus.
@@ -9428,6 +10166,322 @@ bool jp_can_home_battery_left_deviation_is_in_range(uint32_t value);
  * @return true if in range, false otherwise.
  */
 bool jp_can_home_battery_left_deviation_is_in_phys_range(double value);
+
+/**
+ * Pack message RoundStatus.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_round_status_pack(
+    uint8_t *dst_p,
+    const struct jp_can_round_status_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message RoundStatus.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_round_status_unpack(
+    struct jp_can_round_status_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from RoundStatus.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_round_status_init(struct jp_can_round_status_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_round_id_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_round_id_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_state_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_state_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_reason_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_reason_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_field_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_field_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_stop_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_stop_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_received_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_received_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_visits_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_visits_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_charges_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_charges_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_skipped_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_status_skipped_is_in_phys_range(double value);
+
+/**
+ * Pack message RoundBattery.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int jp_can_round_battery_pack(
+    uint8_t *dst_p,
+    const struct jp_can_round_battery_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message RoundBattery.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int jp_can_round_battery_unpack(
+    struct jp_can_round_battery_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from RoundBattery.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int jp_can_round_battery_init(struct jp_can_round_battery_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_battery_held_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_battery_held_is_in_phys_range(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_battery_least_left_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool jp_can_round_battery_least_left_is_in_phys_range(double value);
 
 /**
  * Pack message SimTime.

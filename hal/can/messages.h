@@ -32,7 +32,10 @@ enum jp_data_id {
     JP_DATA_ID_WHEEL_FEEDBACK = 0x46,
     JP_DATA_ID_SUPPLY_SENSORS = 0x55,
     JP_DATA_ID_SCAN_BEGIN = 0x42,
-    JP_DATA_ID_SCAN_END = 0x45
+    JP_DATA_ID_SCAN_END = 0x45,
+    JP_DATA_ID_BATTERY_CHARGE = 0x48,
+    JP_DATA_ID_ROUND_OFFER = 0x50,
+    JP_DATA_ID_ROUND_DATA = 0x51
 };
 
 /** Frames of a sample, in the order in which they are sent. */

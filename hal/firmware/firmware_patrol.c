@@ -1,11 +1,12 @@
 /* A robot with four steered wheels in the image. */
-#include "hal/app/ecu_patrol_way.h"
+#include "hal/app/ecu_patrol_round.h"
 #include "hal/app/patrol_memory.h"
 #include "hal/firmware/firmware_robot.h"
 
 #define FIRMWARE_PATROL ROBOT_SYMBOL(jp_four_wheel_robot_, FIRMWARE_PATROL_NAME)
 
 static struct jp_ecu_patrol patrol;
+static struct jp_ecu_patrol_round round_trips;
 static struct jp_navigation navigation;
 static struct jp_patrol_map map;
 static struct jp_patrol_block block;
@@ -23,7 +24,7 @@ static const struct jp_patrol_pilot_config tables = {
 static enum jp_status start_navigating(struct jp_ecu *ecu)
 {
     const struct jp_map_room room = jp_patrol_map_room(&map);
-    const struct jp_wayfinder finder = jp_ecu_patrol_wayfinder(&patrol);
+    const struct jp_wayfinder finder = jp_ecu_patrol_round_wayfinder(&round_trips, &patrol);
     const enum jp_status status = jp_navigation_init_with(&navigation, &finder, &room);
 
     jp_ecu_navigate(ecu, &navigation);

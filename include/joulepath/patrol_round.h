@@ -54,12 +54,12 @@ struct jp_patrol_stop {
 
 struct jp_patrol_round_config {
     struct jp_patrol_stop stops[JP_PATROL_STOPS_MAX];
-    uint16_t stop_count;          /**< 1…JP_PATROL_STOPS_MAX */
-    struct jp_plane_pose charger; /**< where it also begins */
-    float full;                   /**< energy of the battery from which on it leaves the charger, J; above 0 */
-    float reserve;                /**< that shall be left at the charger, J; 0 or more */
-    float deviations;             /**< 1.645: 95 %; 0…10 */
-    float standing_power;         /**< of the robot that stays, W; 0 or more */
+    uint16_t stop_count; /**< 1…JP_PATROL_STOPS_MAX */
+    struct jp_plane_pose charger;
+    float full;           /**< energy of the battery from which on it leaves the charger, J; above 0 */
+    float reserve;        /**< that shall be left at the charger, J; 0 or more */
+    float deviations;     /**< 1.645: 95 %; 0…10 */
+    float standing_power; /**< of the robot that stays, W; 0 or more */
 };
 
 enum jp_patrol_round_state {
@@ -68,7 +68,7 @@ enum jp_patrol_round_state {
     JP_ROUND_LEAVING,  /**< to a place */
     JP_ROUND_DWELLING, /**< there */
     JP_ROUND_HOMING,   /**< to the charger */
-    JP_ROUND_WAITING,  /**< there is no way now, to the charger either; the reason is JP_ROUND_NO_WAY */
+    JP_ROUND_WAITING,  /**< there is no way now, to the charger either: JP_ROUND_NO_WAY; or to set out for it first */
     JP_ROUND_FAILED    /**< see the reason */
 };
 
@@ -94,7 +94,7 @@ struct jp_patrol_round {
         struct jp_patrol_leg_forecast out[JP_PATROL_STOPS_MAX];    /* from the charger */
         struct jp_patrol_leg_forecast onward[JP_PATROL_STOPS_MAX]; /* from the stop before */
         struct jp_patrol_leg_forecast home[JP_PATROL_STOPS_MAX];
-        float pace;         /* factor when they were surveyed */
+        float pace;         /* factor when the last of them was surveyed */
         uint16_t surveyed;  /* ways */
         bool is_asked;      /* for the next one */
         bool is_at_charger; /* else at the stop before */
@@ -108,8 +108,12 @@ struct jp_patrol_round {
     } internal;
 };
 
-/** Prepares a round of a robot at its charger whose pilot has a map. JP_ERR_CONFIG: *field names the first field out of
- *  range. JP_ERR_ARGUMENT: a pointer is null. The pilot must stay, and is used by nobody else meanwhile. */
+/** JP_ERR_CONFIG: *field names the first field out of range. JP_ERR_ARGUMENT: a pointer is null. Work: the stops. */
+enum jp_status jp_patrol_round_check(const struct jp_patrol_round_config *config, const char **field);
+
+/** Prepares a round of a robot whose pilot has a map; where it is not at its charger, it goes there first, by state
+ *  JP_ROUND_WAITING without a reason. Failures as jp_patrol_round_check(). The pilot must stay, and is used by nobody
+ *  else meanwhile. */
 enum jp_status jp_patrol_round_init(struct jp_patrol_round *round, const struct jp_patrol_round_config *config,
                                     struct jp_patrol_pilot *pilot, const char **field);
 

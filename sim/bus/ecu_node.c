@@ -1,7 +1,5 @@
 #include "sim/bus/ecu_node.h"
 
-#include "hal/app/ecu_patrol_way.h"
-
 #include "sim/base/error.h"
 #include "sim/files/parameters_file.h"
 
@@ -170,7 +168,7 @@ static enum jp_status boot_patrol(void *context, struct jp_ecu *ecu, const struc
         status = jp_ecu_init(ecu, &robot, port, node->lockstep.config.retained);
     }
     if (status == JP_OK) {
-        const struct jp_wayfinder finder = jp_ecu_patrol_wayfinder(&patrol->robot);
+        const struct jp_wayfinder finder = jp_ecu_patrol_round_wayfinder(&patrol->round, &patrol->robot);
 
         status = jp_navigation_init_with(&node->navigation, &finder, &room);
         jp_ecu_navigate(ecu, &node->navigation);

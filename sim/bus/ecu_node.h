@@ -6,6 +6,7 @@
 #include <joulepath/skid_vehicle.h>
 
 #include "hal/app/ecu_balancer.h"
+#include "hal/app/ecu_patrol_round.h"
 #include "hal/app/ecu_skid.h"
 #include "hal/app/lockstep.h"
 #include "hal/app/navigation_memory.h"
@@ -34,6 +35,7 @@ struct ecu_node_skid {
 struct ecu_node_patrol {
     const struct patrol_robot_entry *entry;
     struct jp_ecu_patrol robot;
+    struct jp_ecu_patrol_round round;
     struct jp_patrol_map map;
     struct jp_patrol_block block;
 };

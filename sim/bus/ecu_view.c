@@ -36,6 +36,8 @@ void ecu_view_accept(struct ecu_view *view, const struct jp_can_frame *frame)
         TAKE(home_battery, HOME_BATTERY, home_battery, (void)0);
         TAKE(map_pose, MAP_POSE, map_pose, (void)0);
         TAKE(patrol_status, PATROL_STATUS, patrol, (void)0);
+        TAKE(round_status, ROUND_STATUS, round, (void)0);
+        TAKE(round_battery, ROUND_BATTERY, round_battery, (void)0);
     default:
         break;
     }

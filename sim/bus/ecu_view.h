@@ -32,6 +32,8 @@ struct ecu_view {
     struct jp_can_home_battery_t home_battery;
     struct jp_can_map_pose_t map_pose;
     struct jp_can_patrol_status_t patrol;
+    struct jp_can_round_status_t round;
+    struct jp_can_round_battery_t round_battery;
     bool heard;           /**< a status came */
     bool segment_begins;  /**< event: SegmentMotion came */
     bool segment_planned; /**< event: SegmentForecast came, the last of a plan */

@@ -107,6 +107,9 @@ void patrol_body_sense(struct patrol_body *body, const struct jp_can_port *port)
         take_scan(body);
     }
     send_scan(body, port);
+    if (body->battery != NULL) {
+        patrol_battery_tell(body->battery, body->tick, port);
+    }
 }
 
 /* In. */
@@ -138,6 +141,9 @@ void patrol_body_step(struct patrol_body *body)
     four_wheel_plant_tick(&body->plant, &wheels);
     patrol_world_step(&body->world, &body->plant.state.pose, body->is_world_moving ? TICK : 0);
     amperes = (body->plant.ledger.battery - body->last_battery) * FOUR_WHEEL_RATE_HZ / body->plant.bus_voltage;
+    if (body->battery != NULL) {
+        patrol_battery_step(body->battery, &body->plant.state, body->plant.ledger.battery - body->last_battery, TICK);
+    }
     body->last_battery = body->plant.ledger.battery;
     body->current = rint(amperes / CURRENT_STEP) * CURRENT_STEP;
     body->tick++;

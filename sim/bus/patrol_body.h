@@ -7,6 +7,7 @@
 
 #include "hal/can/scan_link.h"
 #include "hal/can/wheel_link.h"
+#include "sim/bus/patrol_battery.h"
 #include "sim/four_wheel/four_wheel_plant.h"
 #include "sim/four_wheel/laser.h"
 #include "sim/scenes/patrol_task.h"
@@ -30,7 +31,8 @@ struct patrol_body {
     double current;                           /**< mean of the last tick, as the sensor has it, A */
     uint8_t sample_counter;
     struct jp_scan_counters scan_counters;
-    unsigned scan_next; /**< frame of the scan that goes out next */
+    unsigned scan_next;             /**< frame of the scan that goes out next */
+    struct patrol_battery *battery; /**< that it lives on; NULL: one without an end */
 };
 
 /** At rest where the scene starts. Scene and robot stay in use. False without memory. */

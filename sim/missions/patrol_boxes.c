@@ -9,6 +9,7 @@
 #include "sim/base/strict_math.h"
 #include "sim/four_wheel/patrol_config.h"
 #include "sim/four_wheel/patrol_robots.h"
+#include "sim/scenes/patrol_scene.h"
 
 /* Of a box, and how far its middle is from the path at most, m. */
 #define SIDE_MIN 0.2
@@ -93,7 +94,7 @@ bool patrol_boxes_hide(struct patrol_scene *scene, const struct four_wheel_file 
     const char *field;
     bool is_done = false;
 
-    if (mission == NULL || block == NULL || size == 0 ||
+    if (mission == NULL || block == NULL || size == 0 || !patrol_scene_part_ground(scene) ||
         jp_patrol_mission_init(mission, &config, block, size, &field) != JP_OK) {
         error_line("%s: no memory to plan over it; give a smaller map", scene->name);
     } else if (!plan(mission, scene)) {

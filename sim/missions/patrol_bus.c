@@ -47,8 +47,7 @@ static struct jp_place place_of(const struct jp_plane_pose *pose)
                              (jp_angle)llround((double)pose->heading / (2 * M_PI) * TURN_32)};
 }
 
-/* Bytes of the map, which the caller frees; NULL after one line on stderr. */
-static uint8_t *encode(const struct patrol_scene *scene, struct jp_map_stream *stream)
+uint8_t *patrol_bus_encode(const struct patrol_scene *scene, struct jp_map_stream *stream)
 {
     const size_t size = jp_map_code_size(&scene->map.config);
     const struct jp_place start = place_of(&scene->start);
@@ -228,7 +227,7 @@ bool patrol_bus_run(struct patrol_bus *bus, const struct four_wheel_file *robot,
     bus_drive_init_patrol(&bus->drive, &bus->body, link);
     bus->drive.patience = patience;
     bus->drive.navigation = &bus->commander;
-    bytes = encode(scene, &stream);
+    bytes = patrol_bus_encode(scene, &stream);
     if (bytes != NULL) {
         bus->stream_bytes = stream.length;
         (void)jp_navigation_operator_go(&bus->commander, &stream, &goal);

@@ -19,6 +19,10 @@ struct patrol_bus {
     uint64_t fingerprint; /**< of the plant's states of all ticks and the ECU's energies: equal for equal runs */
 };
 
+/** Bytes of the scene's map as it goes over the bus, with where the robot starts; the caller frees them. NULL after one
+ *  line on stderr: it is too large. */
+uint8_t *patrol_bus_encode(const struct patrol_scene *scene, struct jp_map_stream *stream);
+
 /** Drives the scene to its end. The link stays open. The goal is that of the scene to the middle of its cell. False
  * after one line on stderr: no memory, the map does not go over the bus, or the ECU does not answer, refuses it or has
  * a fault. */

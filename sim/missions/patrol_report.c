@@ -19,9 +19,9 @@ const char *patrol_report_log(enum patrol_method method)
     return methods[method].log;
 }
 
-static double cell_m(const struct patrol_report *report)
+static double cell_m(const struct patrol_scene *scene)
 {
-    return (double)report->scene->ground.config.resolution / JP_Q16_ONE;
+    return (double)scene->ground.config.resolution / JP_Q16_ONE;
 }
 
 static bool has_reason(const struct patrol_result *result)
@@ -45,8 +45,8 @@ static void print_scene(const struct patrol_report *report)
     const struct jp_plane_pose *goal = &report->scene->goal;
 
     (void)printf("%s, seed %llu: %.1f × %.1f m in cells of %.3f m; robot %s\n", report->scene->name,
-                 (unsigned long long)report->seed, config->width * cell_m(report), config->height * cell_m(report),
-                 cell_m(report), report->robot->name);
+                 (unsigned long long)report->seed, config->width * cell_m(report->scene),
+                 config->height * cell_m(report->scene), cell_m(report->scene), report->robot->name);
     (void)printf("start %.2f, %.2f m, %.0f°; goal %.2f, %.2f m, %.0f°, from the map's south-west corner; within %.0f "
                  "s\n",
                  (double)start->x, (double)start->y, (double)start->heading * DEGREES, (double)goal->x, (double)goal->y,
@@ -176,12 +176,12 @@ static json_t *json_rows(const struct patrol_scene *scene)
     return rows;
 }
 
-static json_t *json_map(const struct patrol_report *report)
+json_t *patrol_report_map(const struct patrol_scene *scene, const char *map_path)
 {
-    const struct jp_terrain_config *config = &report->scene->ground.config;
+    const struct jp_terrain_config *config = &scene->ground.config;
 
-    return json_pack("{s:s?, s:i, s:i, s:f, s:o}", "file", report->map_path, "width", config->width, "height",
-                     config->height, "resolution_m", cell_m(report), "rows", json_rows(report->scene));
+    return json_pack("{s:s?, s:i, s:i, s:f, s:o}", "file", map_path, "width", config->width, "height", config->height,
+                     "resolution_m", cell_m(scene), "rows", json_rows(scene));
 }
 
 static json_t *json_pose(const struct jp_plane_pose *pose)
@@ -250,8 +250,8 @@ json_t *patrol_report_json(const struct patrol_report *report)
     }
     return json_pack("{s:s, s:s, s:[f, f], s:I, s:o, s:o, s:o, s:f, s:o, s:o, s:o, s:o}", "robot", report->robot->name,
                      "scene", scene->name, "robot_size_m", report->robot->body.length_m, report->robot->body.width_m,
-                     "seed", (json_int_t)report->seed, "map", json_map(report), "start", json_pose(&scene->start),
-                     "goal", json_pose(&scene->goal), "limit_s", scene->limit_s, "faults", json_faults(&report->faults),
-                     "states", json_names(patrol_state_names, JP_PATROL_STOPPED + 1), "reasons",
-                     json_names(patrol_reason_names, JP_PATROL_INFEASIBLE + 1), "methods", runs);
+                     "seed", (json_int_t)report->seed, "map", patrol_report_map(scene, report->map_path), "start",
+                     json_pose(&scene->start), "goal", json_pose(&scene->goal), "limit_s", scene->limit_s, "faults",
+                     json_faults(&report->faults), "states", json_names(patrol_state_names, JP_PATROL_STOPPED + 1),
+                     "reasons", json_names(patrol_reason_names, JP_PATROL_INFEASIBLE + 1), "methods", runs);
 }

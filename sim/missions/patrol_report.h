@@ -29,6 +29,9 @@ const char *patrol_report_log(enum patrol_method method);
 
 void patrol_report_print(const struct patrol_report *report);
 
+/** What is there on a scene's map, and what is not on it; a new reference. The path may be NULL. */
+json_t *patrol_report_map(const struct patrol_scene *scene, const char *map_path);
+
 /** A new reference. */
 json_t *patrol_report_json(const struct patrol_report *report);
 

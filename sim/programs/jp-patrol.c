@@ -1,4 +1,5 @@
-/* Drives the patrol robot through a scene, or over a map of others, by several methods and compares them. */
+/* Drives the patrol robot through a scene, or over a map of others, by several methods and compares them; or on rounds
+ * over a map, for hours. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +14,7 @@
 #include "sim/missions/patrol_boxes.h"
 #include "sim/missions/patrol_bus.h"
 #include "sim/missions/patrol_report.h"
+#include "sim/missions/patrol_round_report.h"
 
 /** Exit code when the outputs were written but the robot did not arrive. */
 #define NOT_ARRIVED_EXIT 1
@@ -24,6 +26,10 @@
 #define ALL     PATROL_METHODS
 
 #define BOXES_MAX 1000
+
+/* Of a round. */
+#define HOURS     0.25
+#define HOURS_MAX 1000
 
 enum {
     OPTION_METHOD = COMMAND_LINE_OWN,
@@ -37,7 +43,9 @@ enum {
     OPTION_STRATEGY,
     OPTION_PLAN,
     OPTION_PATIENCE,
-    OPTION_BOXES
+    OPTION_BOXES,
+    OPTION_ROUND,
+    OPTION_HOURS
 };
 
 struct arguments {
@@ -54,7 +62,9 @@ struct arguments {
     bool plans_by_length;
     const char *bus; /* NULL: no ECU, but the core itself */
     unsigned patience;
-    unsigned boxes; /* that the map does not show */
+    unsigned boxes;         /* that the map does not show */
+    const char *round_path; /* NULL: to a goal */
+    double hours;           /* of the round; 0: not given */
 };
 
 /* ---- Command line ---- */
@@ -179,6 +189,13 @@ static void parse_boxes(struct arguments *arguments, const char *text, struct ar
     arguments->boxes = (unsigned)boxes;
 }
 
+static void parse_hours(struct arguments *arguments, const char *text, struct argp_state *state)
+{
+    if (!read_numbers(text, &arguments->hours, 1) || arguments->hours <= 0 || arguments->hours > HOURS_MAX) {
+        command_line_refuse(state, "--hours %s: must be above 0 and at most %d", text, HOURS_MAX);
+    }
+}
+
 static bool has_faults(const struct arguments *arguments)
 {
     const struct patrol_faults *faults = &arguments->faults;
@@ -197,7 +214,22 @@ static void check_bus(const struct arguments *arguments, struct argp_state *stat
     }
 }
 
-static void check(const struct arguments *arguments, struct argp_state *state)
+/* It begins at its charger, and goes by what the ECU has, too. */
+static void check_round(const struct arguments *arguments, struct argp_state *state)
+{
+    if (arguments->map_path == NULL || arguments->kind != PATROL_SCENES) {
+        command_line_refuse(state, "--round: goes over a map and through no scene; give it with --map");
+    }
+    if (arguments->has_start || arguments->has_goal) {
+        command_line_refuse(state, "--round: has its own places; leave --start and --goal out");
+    }
+    if (arguments->method != ALL || has_faults(arguments) || arguments->turns_by_fixed_angle ||
+        arguments->plans_by_length) {
+        command_line_refuse(state, "--round takes neither a method, faults nor another strategy; leave them out");
+    }
+}
+
+static void check_drive(const struct arguments *arguments, struct argp_state *state)
 {
     const bool has_map = arguments->map_path != NULL;
 
@@ -210,8 +242,20 @@ static void check(const struct arguments *arguments, struct argp_state *state)
     if (arguments->boxes > 0 && !has_map) {
         command_line_refuse(state, "--hidden: a scene has its own things; give it with --map");
     }
+    if (arguments->hours > 0) {
+        command_line_refuse(state, "--hours: a drive to a goal ends there; give it with --round");
+    }
     if (arguments->bus != NULL) {
         check_bus(arguments, state);
+    }
+}
+
+static void check(const struct arguments *arguments, struct argp_state *state)
+{
+    if (arguments->round_path != NULL) {
+        check_round(arguments, state);
+    } else {
+        check_drive(arguments, state);
     }
 }
 
@@ -260,6 +304,12 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
         return 0;
     case OPTION_BOXES:
         parse_boxes(arguments, argument, state);
+        return 0;
+    case OPTION_ROUND:
+        arguments->round_path = argument;
+        return 0;
+    case OPTION_HOURS:
+        parse_hours(arguments, argument, state);
         return 0;
     case ARGP_KEY_ARG:
         parse_scene(arguments, argument, state);
@@ -478,6 +528,98 @@ static int patrol(const struct arguments *arguments, const struct four_wheel_fil
     return status;
 }
 
+/* ---- A round ---- */
+
+static bool are_places_free(const struct patrol_scene *scene, const struct four_wheel_file *robot,
+                            const struct patrol_round_file *file)
+{
+    char name[sizeof "stops[00]"];
+
+    for (unsigned i = 0; i < file->stop_count; i++) {
+        const struct jp_plane_pose pose = patrol_scene_place(scene, &file->stops[i].pose);
+
+        (void)snprintf(name, sizeof name, "stops[%u]", i % JP_PATROL_STOPS_MAX);
+        if (!is_place_free(scene, robot, name, &pose)) {
+            return false;
+        }
+    }
+    return is_place_free(scene, robot, "charger", &scene->start);
+}
+
+/* The boxes are on its first way. *scene is to be freed either way. */
+static bool find_round(const struct arguments *arguments, const struct four_wheel_file *robot,
+                       struct patrol_round_file *file, struct patrol_scene *scene)
+{
+    if (!patrol_round_file_load(arguments->round_path, file)) {
+        return false;
+    }
+    const struct planar_pose charger = patrol_round_charger(file);
+
+    return patrol_scene_load(arguments->map_path, &charger, &file->stops[0].pose, scene) &&
+           are_places_free(scene, robot, file) &&
+           (arguments->boxes == 0 || patrol_boxes_hide(scene, robot, arguments->boxes, arguments->common.seed));
+}
+
+/* The link is logged, and closed at the end. */
+static bool go_round_on_bus(const struct arguments *arguments, const struct patrol_round_task *task,
+                            struct patrol_round_result *result)
+{
+    struct jp_can_link link;
+    bool is_done = false;
+
+    if (open_link(arguments, task->robot, &link)) {
+        is_done = patrol_round_drive_on_bus(task, &link, arguments->patience, result);
+        link.close(link.port.context);
+    }
+    return is_done;
+}
+
+/* Exit status. */
+static int go_round(const struct arguments *arguments, struct patrol_round_task *task,
+                    struct patrol_round_result *result)
+{
+    task->log =
+        output_directory(arguments->common.output) ? output_open(arguments->common.output, PATROL_ROUND_LOG) : NULL;
+    if (task->log == NULL ||
+        !(arguments->bus != NULL ? go_round_on_bus(arguments, task, result) : patrol_round_drive(task, result)) ||
+        !output_json(arguments->common.output, "summary.json", patrol_round_json(task, result, arguments->map_path))) {
+        output_discard();
+        return ERROR_EXIT;
+    }
+    patrol_round_print(task, result);
+    if (!output_commit()) {
+        return ERROR_EXIT;
+    }
+    return result->outcome == PATROL_ROUND_WENT_ON && result->record.below_reserve == 0 ? EXIT_SUCCESS
+                                                                                        : NOT_ARRIVED_EXIT;
+}
+
+static int patrol_for_hours(const struct arguments *arguments, const struct four_wheel_file *robot)
+{
+    struct patrol_round_file file;
+    struct patrol_scene scene = {.block = NULL};
+    int status = ERROR_EXIT;
+
+    if (find_round(arguments, robot, &file, &scene)) {
+        struct patrol_round_task task = {.robot = robot,
+                                         .scene = &scene,
+                                         .file = &file,
+                                         .seed = arguments->common.seed,
+                                         .hours = arguments->hours > 0 ? arguments->hours : HOURS};
+
+        struct patrol_round_result *result = malloc(sizeof *result);
+
+        if (result != NULL) {
+            status = go_round(arguments, &task, result);
+        } else {
+            error_line("%s: no memory for a round", arguments->round_path);
+        }
+        free(result);
+    }
+    patrol_scene_free(&scene);
+    return status;
+}
+
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
@@ -498,6 +640,9 @@ int main(int argc, char **argv)
          ", can:INTERFACE, slcan:DEVICE or pty:NAME, in lockstep",
          0},
         {"hidden", OPTION_BOXES, "N", 0, "on --map: boxes on the way that the map does not show (0)", 0},
+        {"round", OPTION_ROUND, "ROUND.cfg", 0,
+         "on --map: go round between its stops, and home to its charger while the energy lasts", 0},
+        {"hours", OPTION_HOURS, "HOURS", 0, "of the round (0.25)", 0},
         {"patience", OPTION_PATIENCE, "SECONDS", 0, "wait so long for an ECU (10)", 0},
         {"slip", OPTION_SLIP, NULL, 0, "the ground is slippery and falls off to one side", 0},
         OPTION_OUTPUT("build/patrol"),
@@ -506,11 +651,11 @@ int main(int argc, char **argv)
     static const struct argp argp = {
         options,
         parse_option,
-        "SCENE\n--map=MAP.json --start=X,Y,DEG --goal=X,Y,DEG",
+        "SCENE\n--map=MAP.json --start=X,Y,DEG --goal=X,Y,DEG\n--map=MAP.json --round=ROUND.cfg",
         "Drives the patrol robot through a scene by the improved and the plain timed elastic band and by pure pursuit, "
         "and compares them. Scenes: beside-obstacle, l-passage, corridor, doorway, pedestrian, warehouse.\v"
-        "Exit status: 0 the robot arrived by the first method; 1 it did not: the outputs say why; 2 bad input, nothing "
-        "was written.",
+        "Exit status: 0 the robot arrived by the first method, or went round and was never home with less than the "
+        "reserve; 1 it did not: the outputs say why; 2 bad input, nothing was written.",
         NULL,
         NULL,
         NULL};
@@ -524,6 +669,9 @@ int main(int argc, char **argv)
     command_line_parse(&argp, argc, argv, &arguments);
     if (!four_wheel_file_load(arguments.common.robot, &robot)) {
         return ERROR_EXIT;
+    }
+    if (arguments.round_path != NULL) {
+        return patrol_for_hours(&arguments, &robot);
     }
     return arguments.bus != NULL ? patrol_on_bus(&arguments, &robot) : patrol(&arguments, &robot);
 }

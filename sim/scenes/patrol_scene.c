@@ -554,7 +554,9 @@ void patrol_scene_make(enum patrol_scene_kind kind, uint64_t seed, struct patrol
 void patrol_scene_free(struct patrol_scene *scene)
 {
     free(scene->block);
+    free(scene->ground_block);
     scene->block = NULL;
+    scene->ground_block = NULL;
 }
 
 bool patrol_scene_enter(const struct patrol_scene *scene, const struct four_wheel_file *robot,
@@ -590,11 +592,28 @@ static bool has_fitting_cells(const char *path, const struct map_file *map)
     return false;
 }
 
-/* From the map's frame to its south-west corner. */
-static struct jp_plane_pose on_grid(const struct map_file *map, const struct planar_pose *place)
+bool patrol_scene_part_ground(struct patrol_scene *scene)
 {
-    const struct planar_pose corner = {map->origin[0], map->origin[1], map->origin[2]};
-    const struct planar_pose pose = planar_between(&corner, place);
+    const struct jp_terrain_config *config = &scene->map.config;
+    const size_t size = jp_terrain_size(config);
+    const char *field;
+
+    scene->ground_block = malloc(size);
+    if (scene->ground_block == NULL ||
+        jp_terrain_init(&scene->ground, config, scene->ground_block, size, &field) != JP_OK) {
+        return false;
+    }
+    for (int32_t y = 0; y < config->height; y++) {
+        for (int32_t x = 0; x < config->width; x++) {
+            (void)jp_terrain_set_cell(&scene->ground, x, y, jp_terrain_cell(&scene->map, x, y));
+        }
+    }
+    return true;
+}
+
+struct jp_plane_pose patrol_scene_place(const struct patrol_scene *scene, const struct planar_pose *place)
+{
+    const struct planar_pose pose = planar_between(&scene->corner, place);
 
     return (struct jp_plane_pose){(float)pose.x, (float)pose.y, (float)pose.heading};
 }
@@ -614,10 +633,11 @@ bool patrol_scene_load(const char *path, const struct planar_pose *start, const 
     *scene = (struct patrol_scene){.kind = PATROL_SCENES,
                                    .map = map.terrain,
                                    .ground = map.terrain,
-                                   .start = on_grid(&map, start),
-                                   .goal = on_grid(&map, goal),
+                                   .corner = {map.origin[0], map.origin[1], map.origin[2]},
                                    .limit_s = GIVEN_LIMIT_S,
                                    .block = map.block};
+    scene->start = patrol_scene_place(scene, start);
+    scene->goal = patrol_scene_place(scene, goal);
     (void)snprintf(scene->name, sizeof scene->name, "%s", map.name);
     return true;
 }

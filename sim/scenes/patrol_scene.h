@@ -21,6 +21,13 @@ void patrol_scene_make(enum patrol_scene_kind kind, uint64_t seed, struct patrol
 bool patrol_scene_load(const char *map_path, const struct planar_pose *start, const struct planar_pose *goal,
                        struct patrol_scene *scene);
 
+/** Gives a scene on a map of others a ground of its own, which may be changed: what is put on it the map does not show.
+ *  False without memory. */
+bool patrol_scene_part_ground(struct patrol_scene *scene);
+
+/** Another place in the map's frame, from the scene's south-west corner. */
+struct jp_plane_pose patrol_scene_place(const struct patrol_scene *scene, const struct planar_pose *place);
+
 void patrol_scene_free(struct patrol_scene *scene);
 
 /** The world of a scene: its ground, what moves, who walks, and the robot at its start. The scene stays in use. False

@@ -32,8 +32,10 @@ struct patrol_scene {
     size_t people_count;
     struct jp_plane_pose start; /**< m and rad from the south-west corner */
     struct jp_plane_pose goal;
-    double limit_s; /**< time in which a robot must arrive */
-    void *block;    /**< of both maps */
+    struct planar_pose corner; /**< the south-west one, in the map's frame */
+    double limit_s;            /**< time in which a robot must arrive */
+    void *block;               /**< of both maps */
+    void *ground_block;        /**< of a ground that has parted from its map */
 };
 
 #endif

@@ -38,8 +38,11 @@ static enum jp_status check_stops(const struct jp_patrol_round_config *config, c
     return jp_plane_is_pose(&config->charger) ? JP_OK : jp_config_refuse("charger", field);
 }
 
-static enum jp_status check(const struct jp_patrol_round_config *config, const char **field)
+enum jp_status jp_patrol_round_check(const struct jp_patrol_round_config *config, const char **field)
 {
+    if (config == NULL || field == NULL) {
+        return JP_ERR_ARGUMENT;
+    }
     const enum jp_status status = check_stops(config, field);
 
     if (status != JP_OK) {
@@ -71,21 +74,41 @@ static void begin_survey(struct jp_patrol_round *round)
     round->internal.surveyed = 0;
     round->internal.is_asked = false;
     round->internal.is_at_charger = true;
-    round->internal.pace = learned_pace(round);
     (void)jp_patrol_pilot_forget_marks(round->internal.pilot);
+}
+
+static bool is_at_charger(const struct jp_patrol_round *round)
+{
+    const struct jp_plane_pose *charger = &round->internal.config.charger;
+    const struct jp_patrol_config *config = &round->internal.pilot->mission.patrol.config;
+    const struct jp_plane_pose pose = jp_patrol_pilot_pose(round->internal.pilot);
+
+    return jp_plane_length(pose.x - charger->x, pose.y - charger->y) <= config->position_tolerance &&
+           jp_plane_magnitude(jp_plane_wrap(pose.heading - charger->heading)) <= config->heading_tolerance;
+}
+
+/** Elsewhere than at the charger it goes there at once. */
+static void begin(struct jp_patrol_round *round)
+{
+    if (is_at_charger(round)) {
+        begin_survey(round);
+    } else {
+        round->state = JP_ROUND_WAITING;
+        round->internal.stayed = JP_ROUND_WAIT;
+    }
 }
 
 enum jp_status jp_patrol_round_init(struct jp_patrol_round *round, const struct jp_patrol_round_config *config,
                                     struct jp_patrol_pilot *pilot, const char **field)
 {
-    if (round == NULL || config == NULL || pilot == NULL || field == NULL) {
+    if (round == NULL || pilot == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    const enum jp_status status = check(config, field);
+    const enum jp_status status = jp_patrol_round_check(config, field);
 
     if (status == JP_OK) {
         *round = (struct jp_patrol_round){.least_left = FLT_MAX, .internal = {.config = *config, .pilot = pilot}};
-        begin_survey(round);
+        begin(round);
     }
     return status;
 }
@@ -137,7 +160,11 @@ static void survey(struct jp_patrol_round *round)
     const unsigned way = round->internal.surveyed % WAYS;
     enum jp_status status;
 
+    if (round->internal.pilot->internal.is_ended) {
+        return; /* what the way home has taken is still to be learned from */
+    }
     if (!round->internal.is_asked) {
+        round->internal.pace = learned_pace(round);
         status = ask(round, stop, way);
         if (status != JP_OK) {
             round->stop = stop;
@@ -242,16 +269,6 @@ static void go(struct jp_patrol_round *round, uint16_t stop, enum jp_patrol_roun
     if (jp_patrol_pilot_go(round->internal.pilot, goal) != JP_OK) {
         fail(round, JP_ROUND_DRIVES_OFF);
     }
-}
-
-static bool is_at_charger(const struct jp_patrol_round *round)
-{
-    const struct jp_plane_pose *charger = &round->internal.config.charger;
-    const struct jp_patrol_config *config = &round->internal.pilot->mission.patrol.config;
-    const struct jp_plane_pose pose = jp_patrol_pilot_pose(round->internal.pilot);
-
-    return jp_plane_length(pose.x - charger->x, pose.y - charger->y) <= config->position_tolerance &&
-           jp_plane_magnitude(jp_plane_wrap(pose.heading - charger->heading)) <= config->heading_tolerance;
 }
 
 /** Where somebody stands in its way as it leaves, it may not have left. */

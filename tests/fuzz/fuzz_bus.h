@@ -5,6 +5,7 @@
 #include "hal/app/ecu.h"
 #include "hal/can/jp_can.h"
 #include "hal/can/map_link.h"
+#include "hal/can/round_link.h"
 #include "hal/can/scan_link.h"
 #include "hal/storage/crc32.h"
 #include "tests/fuzz/fuzz_input.h"
@@ -201,6 +202,79 @@ static inline void fuzz_bus_scan(struct fuzz_bus *bus, struct fuzz_input *input)
     }
 }
 
+static inline void fuzz_bus_put_word(uint8_t *bytes, uint32_t word)
+{
+    for (unsigned i = 0; i < 4U; i++) {
+        bytes[i] = (uint8_t)(word >> (8U * i));
+    }
+}
+
+/** A place on the map or anywhere, and a stay or anything. */
+static inline void fuzz_bus_place(struct fuzz_input *input, uint8_t *bytes)
+{
+    const uint32_t side = FUZZ_MAP_SIDE << 12U; /* of cells of 1/16 m, 2⁻¹⁶ m */
+
+    fuzz_bus_put_word(&bytes[0], fuzz_below(input, 8) == 7U ? fuzz_u32(input) : fuzz_below(input, side));
+    fuzz_bus_put_word(&bytes[4], fuzz_below(input, 8) == 7U ? fuzz_u32(input) : fuzz_below(input, side));
+    fuzz_bus_put_word(&bytes[8], fuzz_u32(input));
+}
+
+static inline void fuzz_bus_charge(struct fuzz_bus *bus, uint32_t held)
+{
+    const struct jp_can_battery_charge_t charge = {.held = held};
+    struct jp_can_frame frame = {.id = JP_CAN_BATTERY_CHARGE_FRAME_ID, .length = 8};
+
+    (void)jp_can_battery_charge_pack(frame.data, &charge, sizeof frame.data);
+    fuzz_bus_protected(bus, &frame, JP_DATA_ID_BATTERY_CHARGE);
+}
+
+/** A round, what the battery holds, and the command to drive it. */
+static inline void fuzz_bus_round(struct fuzz_bus *bus, struct fuzz_input *input)
+{
+    const uint8_t stops = (uint8_t)(1U + fuzz_below(input, 3));
+    const uint8_t id = fuzz_u8(input);
+    uint8_t bytes[JP_ROUND_BYTES_MAX] = {0};
+    struct jp_can_frame frame = {.id = JP_CAN_ROUND_OFFER_FRAME_ID, .length = 8};
+
+    fuzz_bus_place(input, bytes);
+    fuzz_bus_put_word(&bytes[12], fuzz_u32(input) >> fuzz_below(input, 20));
+    fuzz_bus_put_word(&bytes[16], fuzz_u32(input) >> fuzz_below(input, 32));
+    fuzz_bus_put_word(&bytes[20], fuzz_u32(input) >> (12U + fuzz_below(input, 20)));
+    for (unsigned i = 0; i < stops; i++) {
+        fuzz_bus_place(input, &bytes[JP_ROUND_BYTES(i)]);
+        fuzz_bus_put_word(&bytes[JP_ROUND_BYTES(i) + 12U], fuzz_u32(input) >> (4U + fuzz_below(input, 20)));
+    }
+
+    const struct jp_can_round_offer_t offer = {.map_id = bus->map_id & 15U,
+                                               .round_id = id,
+                                               .stops = fuzz_below(input, 8) == 7U ? fuzz_u8(input) : stops,
+                                               .round_crc = jp_crc32(0, bytes, JP_ROUND_BYTES(stops)) +
+                                                            (fuzz_below(input, 8) == 7U ? 1U : 0U)};
+
+    (void)jp_can_round_offer_pack(frame.data, &offer, sizeof frame.data);
+    fuzz_bus_protected(bus, &frame, JP_DATA_ID_ROUND_OFFER);
+    for (uint16_t i = 0; i < JP_ROUND_FRAMES(stops); i++) {
+        struct jp_can_round_data_t data = {.index = i};
+
+        for (unsigned k = 0; k < JP_ROUND_DATA; k++) {
+            data.data |= (uint64_t)bytes[i * JP_ROUND_DATA + k] << (8U * k);
+        }
+        frame = (struct jp_can_frame){.id = JP_CAN_ROUND_DATA_FRAME_ID, .length = 8};
+        (void)jp_can_round_data_pack(frame.data, &data, sizeof frame.data);
+        fuzz_bus_protected(bus, &frame, JP_DATA_ID_ROUND_DATA);
+    }
+    fuzz_bus_charge(bus, fuzz_u32(input) >> fuzz_below(input, 20));
+    fuzz_bus_charge(bus, fuzz_u32(input) >> fuzz_below(input, 20));
+    jp_ecu_work(bus->ecu);
+    for (unsigned i = fuzz_below(input, 5); i > 0U; i--) {
+        const struct jp_can_operator_command_t command = {.mode = JP_MODE_NAVIGATE, .route_id = id};
+
+        frame = (struct jp_can_frame){.id = JP_CAN_OPERATOR_COMMAND_FRAME_ID, .length = 4};
+        (void)jp_can_operator_command_pack(frame.data, &command, sizeof frame.data);
+        fuzz_bus_protected(bus, &frame, JP_DATA_ID_OPERATOR_COMMAND);
+    }
+}
+
 /** A frame of any id and content, protected or not. */
 static inline void fuzz_bus_any(struct fuzz_bus *bus, struct fuzz_input *input)
 {
@@ -242,8 +316,11 @@ static inline void fuzz_bus_step(struct fuzz_bus *bus, struct fuzz_input *input)
     case 7:
         fuzz_bus_any(bus, input);
         break;
-    default:
+    case 8:
         fuzz_bus_scan(bus, input);
+        break;
+    default:
+        fuzz_bus_round(bus, input);
         break;
     }
 }

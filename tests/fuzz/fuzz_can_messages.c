@@ -18,6 +18,7 @@
     X(scan_begin)                                                                                                      \
     X(scan_ranges)                                                                                                     \
     X(scan_end)                                                                                                        \
+    X(battery_charge)                                                                                                  \
     X(operator_command)                                                                                                \
     X(route_offer)                                                                                                     \
     X(waypoint)                                                                                                        \
@@ -26,6 +27,8 @@
     X(map_data)                                                                                                        \
     X(cell_changes)                                                                                                    \
     X(map_goal)                                                                                                        \
+    X(round_offer)                                                                                                     \
+    X(round_data)                                                                                                      \
     X(ecu_status)                                                                                                      \
     X(ecu_errors)                                                                                                      \
     X(ecu_losses)                                                                                                      \
@@ -56,6 +59,8 @@
     X(patrol_status)                                                                                                   \
     X(home_status)                                                                                                     \
     X(home_battery)                                                                                                    \
+    X(round_status)                                                                                                    \
+    X(round_battery)                                                                                                   \
     X(sim_time)                                                                                                        \
     X(sim_done)
 

@@ -44,6 +44,7 @@ static const struct message {
     {0x030, 4, OTHERS, 0},
     {0x031, 8, OTHERS, 0},
     {0x032, 8, OTHERS, 0},
+    {0x033, 8, OPERATORS, JP_DATA_ID_BATTERY_CHARGE},
     {0x100, 4, OPERATORS, JP_DATA_ID_OPERATOR_COMMAND},
     {0x101, 8, OPERATORS, JP_DATA_ID_ROUTE_OFFER},
     {0x102, 8, OPERATORS, JP_DATA_ID_WAYPOINT},
@@ -52,6 +53,8 @@ static const struct message {
     {0x105, 8, OPERATORS, JP_DATA_ID_MAP_DATA},
     {0x106, 8, OPERATORS, JP_DATA_ID_CELL_CHANGES},
     {0x107, 8, OPERATORS, JP_DATA_ID_MAP_GOAL},
+    {0x108, 8, OPERATORS, JP_DATA_ID_ROUND_OFFER},
+    {0x109, 8, OPERATORS, JP_DATA_ID_ROUND_DATA},
     {0x180, 8, FROM_ECU, 0},
     {0x181, 8, FROM_ECU, 0},
     {0x182, 8, FROM_ECU, 0},
@@ -82,6 +85,8 @@ static const struct message {
     {0x19B, 8, FROM_ECU, 0},
     {0x19C, 8, FROM_ECU, 0},
     {0x19D, 8, FROM_ECU, 0},
+    {0x19E, 8, FROM_ECU, 0},
+    {0x19F, 8, FROM_ECU, 0},
 };
 #define MESSAGES (sizeof messages / sizeof messages[0])
 

@@ -98,7 +98,7 @@ def test_the_worst_case_is_below_the_bar(tmp_path):
     assert "SimTime" not in by_name and "SimDone" not in by_name
     total = sum(m["load_percent"] or 0 for m in about["messages"])
     of_four_wheels = sum(by_name[name]["load_percent"] for name in bus_load.OF_FOUR_WHEELS)
-    assert of_four_wheels == pytest.approx(2 * 4 * 1.35 + 1.35 + 90 * 0.135 + 0.095 + 3 * 0.135)
+    assert of_four_wheels == pytest.approx(2 * 4 * 1.35 + 1.35 + 90 * 0.135 + 0.095 + 6 * 0.135)
     # A bus has one robot: the messages of the other kinds' wheels take more.
     assert about["worst_percent"] == pytest.approx(total - of_four_wheels)
     assert about["worst_percent"] <= 60

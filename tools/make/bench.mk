@@ -299,6 +299,8 @@ figures: ## run all benches, keep their figures in tests/bench/figures.json and 
 	cp $(BUILD)/plan/plan.png sim/scenarios/jacksboro_plan.png
 	$(MAKE) patrol SCENE=warehouse
 	cp $(BUILD)/patrol/patrol.png sim/scenarios/patrol_warehouse.png
+	$(MAKE) patrol MAP=$(DATA)/depot.yaml ROUND=sim/scenarios/depot_round.cfg
+	cp $(BUILD)/patrol/patrol.png sim/scenarios/depot_round.png
 	$(MAKE) navigate SEED=3 START=1.5,1.5,90 GOAL=14,1
 	cp $(BUILD)/navigate/navigate.png sim/scenarios/office_navigate.png
 	$(MAKE) navigate ROBOT=zhang2018 SEED=1

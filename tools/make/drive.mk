@@ -140,6 +140,9 @@ PATROL.in-process = $(BUILD)/bin/jp-patrol --robot $(PATROL_ROBOT) --bus in-proc
 PATROL.pil        = tools/operate/patrol_in_qemu.sh $(PATROL_ROBOT)
 PATROL_ROBOT      = $(if $(filter file,$(origin ROBOT)),patrol,$(ROBOT))
 PATROL_MAP  = $(if $(filter file,$(origin MAP)),,$(MAP))
+PATROL_TASK = $(if $(ROUND),--round=$(ROUND) $(if $(HOURS),--hours=$(HOURS)),$(PLAN_TASK))
+# Of a drive over a bus there is no log to draw; of a round there is.
+PATROL_DRAWN = $(if $(ROUND),yes,$(if $(BUS),,yes))
 
 .PHONY: patrol
 ifeq ($(WORLD),mujoco)
@@ -154,16 +157,17 @@ patrol:
 	$(PYTHON) -m tools.mujoco.patrol $(BUILD)/patrol/map.json $(PLAN_TASK) --robot $(PATROL_ROBOT) --seed $(SEED) \
 	    --output $(BUILD)/patrol $(CONDITIONS)
 else
-patrol: ## drive the patrol robot, or ROBOT=name (SCENE=name SEED=1, or MAP=file START=x,y,deg GOAL=x,y,deg), by itself or over BUS=in-process or pil, or over a MAP in WORLD=mujoco; report in build/patrol
+patrol: ## drive the patrol robot, or ROBOT=name (SCENE=name SEED=1, or MAP=file START=x,y,deg GOAL=x,y,deg, or for HOURS=0.25 MAP=file ROUND=file), by itself or over BUS=in-process or pil, or over a MAP in WORLD=mujoco; report in build/patrol
 	$(if $(WORLD),$(error WORLD=$(WORLD): must be mujoco, or left out))
 	$(if $(PATROL.$(BUS)),,$(error BUS=$(BUS): must be in-process or pil))
+	$(if $(ROUND),$(if $(PATROL_MAP),,$(error ROUND=$(ROUND): goes over a map; give MAP)))
 	@tools/setup.sh sil $(if $(PATROL_MAP),design) $(SETUP.$(BUS))
 	@$(MAKE) $(PARALLEL) $(BUILD)/bin/jp-patrol $(if $(filter pil,$(BUS)),$(BUILD)/firmware/$(PATROL_ROBOT)/emulated.elf)
 	@rm -rf $(BUILD)/patrol
 	$(if $(PATROL_MAP),$(PYTHON) -m tools.design.import_map $(MAP) $(BUILD)/patrol/map.json --resolution 0.05 $(IMPORT))
-	$(PATROL.$(BUS)) $(if $(PATROL_MAP),--map=$(BUILD)/patrol/map.json $(PLAN_TASK) $(NAVIGATE),$(SCENE)) --seed=$(SEED) \
+	$(PATROL.$(BUS)) $(if $(PATROL_MAP),--map=$(BUILD)/patrol/map.json $(PATROL_TASK) $(NAVIGATE),$(SCENE)) --seed=$(SEED) \
 	    --output $(BUILD)/patrol; status=$$?; \
-	    [ $$status -le 1 ] && $(if $(BUS),true,$(PYTHON) -m tools.report.patrol_report $(BUILD)/patrol) && exit $$status
+	    [ $$status -le 1 ] && $(if $(PATROL_DRAWN),$(PYTHON) -m tools.report.patrol_report $(BUILD)/patrol,true) && exit $$status
 endif
 
 # The courier unless another one is asked for. CAMPAIGN holds options of tools.campaign.campaign, such as

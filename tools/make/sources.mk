@@ -5,7 +5,7 @@ SINGLE         := $(strip $(file <src/single_precision.txt))
 FLOAT          := $(wildcard $(SINGLE))
 CORE           := $(filter-out $(FLOAT),$(wildcard src/*/*.c))
 # Of the application too.
-CAN_FLOAT      := hal/app/ecu_patrol.c hal/app/ecu_patrol_way.c
+CAN_FLOAT      := hal/app/ecu_patrol.c hal/app/ecu_patrol_round.c hal/app/ecu_patrol_way.c hal/can/round_code.c
 CAN            := $(filter-out $(CAN_FLOAT),$(wildcard hal/*.c hal/storage/*.c hal/can/*.c hal/app/*.c))
 STM32F4        := $(wildcard hal/stm32f4/*.c)
 MPS2           := $(wildcard hal/mps2/*.c)

@@ -19,7 +19,7 @@ from tools.operate.can_report import read_frames
 SIMULATION = ("SimTime", "SimDone")
 # Of one bus either these messages, or those, by the kind of its robot.
 OF_FOUR_WHEELS = ("WheelTarget", "WheelFeedback", "SupplySensors", "ScanBegin", "ScanRanges", "ScanEnd", "MapPose",
-                  "PatrolStatus")
+                  "PatrolStatus", "RoundStatus", "RoundBattery", "BatteryCharge")
 OF_TWO_SIDES = ("MotorCommand", "WheelSensors", "BalanceSensors", "CurrentSensors")
 # Frames of a message in its period, where there are several.
 SEVERAL = {"WheelTarget": (4, 10), "WheelFeedback": (4, 10), "ScanRanges": (90, 100)}

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Make a page and a picture from the results of jp-patrol.
+"""Make a page and a picture from the results of jp-patrol, of drives or of a round.
 
 Reads DIR/summary.json and the logs that it names; writes DIR/report.html, one file that needs nothing else, and
 DIR/patrol.png. Exit status 2: bad input; nothing was written.
@@ -13,10 +13,10 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Polygon
-from matplotlib.transforms import Affine2D
 
 from tools.common import ArgumentParser, ToolError, run, shown_path, write_whole
-from tools.report import plots
+from tools.report import plots, round_report
+from tools.report.ground_cells import FILLS, HIDDEN, SOLID, check_map, draw_ground, draw_robot, map_window, placed, rectangle
 from tools.report.plots import spans_of
 from tools.report.results import (format_number, need, need_list, need_numbers, need_points, need_texts, need_vector,
                                   read_columns, read_json, render_page)
@@ -33,8 +33,6 @@ OBSTACLE_KEYS = ("x_m", "y_m", "heading_deg", "radius_m", "length_m", "width_m")
 LOG_COLUMNS = ("t_s", "x_m", "y_m", "heading_deg", "speed_m_s", "turn_rate_rad_s", "clearance_m", "state")
 TURNING = 1  # number of the state of turning in place
 
-FREE, SOLID, UNKNOWN, HIDDEN = ".#?o"
-FILLS = {FREE: "#FBFCFD", SOLID: "#6B7580", UNKNOWN: "#E6EAEE", HIDDEN: "#E2A93B"}
 MOVER = plots.PURPLE
 WAY = plots.GREEN
 COLLISION = "#C2185B"
@@ -48,8 +46,6 @@ WIDTH = 11.0             # inches
 MAP_HEIGHT = 3.0, 9.0    # when the panels are below
 PANEL_HEIGHT = 1.7
 TALL = 1.05              # a map so much higher than wide has the panels beside it
-MARGIN = 2.5             # m, around the drives
-SHAPE = 0.6              # least width over height of what is shown, and height over width
 OUTLINES_MAX = 30        # of the robot along a track
 OUTLINE_STEP = 0.2       # m, least from one to the next
 PERIODS = 1, 2, 5, 10, 20, 60  # s, from one to the next
@@ -86,8 +82,7 @@ class Drive:
 
 # ---- input ---------------------------------------------------------------------------------------------------------
 
-def read_summary(path):
-    summary = read_json(path)
+def check_summary(path, summary):
     need(path, "summary", summary, SUMMARY_KEYS)
     need_texts(path, "summary", summary, ("robot", "scene"))
     need_vector(path, "robot_size_m", summary["robot_size_m"], 2)
@@ -98,16 +93,6 @@ def read_summary(path):
     need_list(path, "methods", summary["methods"])
     for i, method in enumerate(summary["methods"]):
         check_method(path, f"methods[{i}]", method)
-    return summary
-
-
-def check_map(path, ground):
-    need(path, "map", ground, ("width", "height", "resolution_m", "rows"))
-    need_numbers(path, "map", ground, ("width", "height", "resolution_m"))
-    rows = ground["rows"]
-    if not (isinstance(rows, list) and len(rows) == ground["height"] > 0
-            and all(isinstance(row, str) and len(row) == ground["width"] and set(row) <= set(FILLS) for row in rows)):
-        raise ToolError(f"{path}: map.rows: is no grid of {ground['height']} rows of {ground['width']} cells")
 
 
 def check_method(path, place, method):
@@ -142,7 +127,8 @@ def read_log(path):
 
 
 def load(directory):
-    summary = read_summary(directory / "summary.json")
+    summary = read_json(directory / "summary.json")
+    check_summary(directory / "summary.json", summary)
     return summary, [Drive(about, read_log(directory / about["log"])) for about in summary["methods"]]
 
 
@@ -150,46 +136,11 @@ def load(directory):
 
 def map_extent(summary, drives):
     """West, east, south and north of what is shown: where the drives are, and some of the map around."""
-    ground = summary["map"]
     points = [summary["start"][:2], summary["goal"][:2]]
     for drive in drives:
         points += list(zip(drive.log["x_m"], drive.log["y_m"]))
         points += [point for plan in drive.about["plans"] for point in plan["path_m"]]
-    low = np.min(points, axis=0) - MARGIN
-    high = np.max(points, axis=0) + MARGIN
-    size = np.array([ground["width"], ground["height"]]) * ground["resolution_m"]
-    widen = np.maximum(SHAPE * (high - low)[::-1] - (high - low), 0) / 2
-    low, high = low - widen, high + widen
-    # What is only a little more is shown to its end.
-    low = np.where(low < MARGIN, 0, low)
-    high = np.where(high > size - MARGIN, size, high)
-    return low[0], high[0], low[1], high[1]
-
-
-def draw_ground(axes, ground):
-    cells = np.array([list(row) for row in ground["rows"]][::-1])
-    image = np.empty((*cells.shape, 3))
-    for symbol, colour in FILLS.items():
-        image[cells == symbol] = to_rgb(colour)
-    resolution = ground["resolution_m"]
-    axes.imshow(image, origin="lower", extent=(0, ground["width"] * resolution, 0, ground["height"] * resolution),
-                interpolation="nearest", zorder=0)
-
-
-def placed(points, x, y, heading):
-    return Affine2D().rotate_deg(heading).translate(x, y).transform(points)
-
-
-def rectangle(length, width):
-    return np.array([(-length, -width), (length, -width), (length, width), (-length, width)]) / 2
-
-
-def draw_robot(axes, size, pose, **look):
-    """The robot's outline, with a dart that points ahead."""
-    length, width = size
-    dart = np.array([(0.5 * length, 0), (0.28 * length, 0.16 * width), (0.28 * length, -0.16 * width)])
-    axes.add_patch(Polygon(placed(rectangle(length, width), *pose), closed=True, **look))
-    axes.add_patch(Polygon(placed(dart, *pose), closed=True, **{**look, "facecolor": look["edgecolor"]}))
+    return map_window(summary["map"], points)
 
 
 def outline_period(seconds):
@@ -462,9 +413,14 @@ def main():
     parser = ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("directory", metavar="DIR", type=Path, help="holds summary.json and the logs")
     directory = parser.parse_args().directory
-    results = load(directory)
-    picture = plots.png_bytes(draw_patrol(*results), dpi=120)
-    for name, content in (("report.html", render(*results)), ("patrol.png", picture)):
+    summary = read_json(directory / "summary.json")
+    if isinstance(summary, dict) and summary.get("kind") == "round":
+        results = round_report.read_round(directory / "summary.json", summary)
+        page, picture = round_report.render(results), round_report.picture(results)
+    else:
+        results = load(directory)
+        page, picture = render(*results), plots.png_bytes(draw_patrol(*results), dpi=120)
+    for name, content in (("report.html", page), ("patrol.png", picture)):
         write_whole(directory / name, content)
         print(f"wrote {shown_path(directory / name)}")
     return 0

@@ -23,7 +23,7 @@ static void test_unknown_remote_and_extended_frames_are_counted(void)
     }
     give(0x000, 8);
     give(0x7FF, 0);
-    give(0x19E, 8);
+    give(0x1A0, 8);
     TEST_ASSERT_EQUAL_UINT16(count + 3U, ecu.unknown_frames);
     TEST_ASSERT_EQUAL_UINT8(0, ecu.sample_counts.malformed);
     TEST_ASSERT_EQUAL_UINT8(0, ecu.conflicts);

@@ -6,6 +6,7 @@
 
 #include "tests/support/ecu_rig.h"
 #include "tests/support/map_frames.h"
+#include "tests/support/round_frames.h"
 
 enum { SIDE = 20, BLOCK_BYTES = 2304, LEGS_MAX = 4, STREAM_MAX = 60 };
 
@@ -487,6 +488,24 @@ static void test_frames_of_a_wrong_length_are_counted(void)
     run(1);
     TEST_ASSERT_EQUAL_UINT8(4, ecu.sample_counts.malformed);
     TEST_ASSERT_EQUAL_INT(JP_MAP_LINK_READY, navigation.maps.state);
+}
+
+static void test_a_navigator_that_does_not_go_round_refuses_rounds(void)
+{
+    static const uint8_t bytes[JP_ROUND_BYTES_MAX] = {1};
+    struct sent_round sent_round = {.bytes = bytes, .stops = 1, .map = 2, .id = 9};
+
+    make_ready();
+    give(round_offer(&sent_round));
+    give(round_data(&sent_round, 0));
+    give(battery_charge(&sent_round, 160)); /* is no command */
+    run(1);
+    TEST_ASSERT_EQUAL_UINT8(2, ecu.operator_counts.rejected);
+    TEST_ASSERT_EQUAL_UINT8(0, ecu.operator_counts.crc_errors);
+    TEST_ASSERT_FALSE(jp_navigation_goes_round(&navigation));
+    send_goal(7, 5, 14);
+    expect_goal(7, JP_GOAL_TAKEN);
+    expect_map(JP_MAP_LINK_READY, JP_MAP_REASON_NONE);
 }
 
 /* Under way. */

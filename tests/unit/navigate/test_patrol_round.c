@@ -184,6 +184,9 @@ static void test_the_configuration_is_checked(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_round_init(&round_trip, NULL, &pilot, &field));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_round_init(&round_trip, &config, NULL, &field));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_round_init(&round_trip, &config, &pilot, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_round_check(NULL, &field));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_patrol_round_check(&config, NULL));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_round_check(&config, &field));
 }
 
 /* Rounds. */
@@ -474,11 +477,33 @@ static void wait_at_the_charger(void)
     pass_until_not(JP_ROUND_WAITING);
 }
 
-static void test_who_is_turned_away_from_the_charger_is_not_at_it(void)
+static void expect_to_go_there_first(void)
+{
+    round_trip.state = JP_ROUND_FAILED; /* of before */
+    switch_on();
+    begin();
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_WAITING, round_trip.state);
+    TEST_ASSERT_EQUAL_INT(JP_ROUND_NO_REASON, round_trip.reason);
+    pass_until(JP_ROUND_HOMING);
+    TEST_ASSERT_TRUE(ticks < 100U);
+    pass_until(JP_ROUND_CHARGING);
+    TEST_ASSERT_TRUE(distance_to(&config.charger) < 0.15f);
+    TEST_ASSERT_TRUE(jp_plane_magnitude(jp_plane_wrap(room.pose.heading - config.charger.heading)) < 0.1f);
+    TEST_ASSERT_EQUAL_UINT32(1, round_trip.charges);
+    pass_until(JP_ROUND_DWELLING);
+    TEST_ASSERT_EQUAL_UINT16(0, round_trip.stop);
+}
+
+static void test_who_is_turned_away_from_the_charger_goes_to_it_first(void)
 {
     config.charger.heading = 1.0f;
-    wait_at_the_charger();
-    TEST_ASSERT_EQUAL_INT(JP_ROUND_HOMING, round_trip.state);
+    expect_to_go_there_first();
+}
+
+static void test_who_is_not_at_the_charger_goes_to_it_first(void)
+{
+    config.charger.x = 2.0f;
+    expect_to_go_there_first();
 }
 
 static void test_who_could_not_leave_the_charger_is_charged(void)
@@ -505,6 +530,18 @@ static void test_what_stood_in_the_way_is_forgotten_at_the_charger(void)
     TEST_ASSERT_EQUAL_INT(JP_CELL_FREE, jp_terrain_cell(marked, 40, ROOM_HEIGHT / 2));
     pass_until(JP_ROUND_CHARGING);
     TEST_ASSERT_EQUAL_UINT32(1, round_trip.charges);
+}
+
+static void test_what_is_surveyed_is_by_what_the_way_home_has_taught(void)
+{
+    begin();
+    switch_on();
+    pass_until(JP_ROUND_HOMING);
+    const uint32_t learned_from = pilot.ledger.learned_from;
+
+    pass_until(JP_ROUND_CHARGING);
+    TEST_ASSERT_EQUAL_UINT32(learned_from + 1U, pilot.ledger.learned_from);
+    TEST_ASSERT_TRUE(round_trip.internal.pace == pilot.ledger.robot * jp_patrol_pace_factor(&pilot.ledger.pace, 1.0f));
 }
 
 static void test_marks_are_forgotten_by_who_has_a_map_and_does_not_plan(void)
