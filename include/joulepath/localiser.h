@@ -216,9 +216,9 @@ enum jp_status jp_localiser_start(struct jp_localiser *localiser, const struct j
  *  times; where the scan does not fit, also the cells along the beams that see nothing. */
 enum jp_status jp_localiser_update(struct jp_localiser *localiser, const struct jp_localiser_input *input);
 
-/** Continues the search of a robot that is lost by the work of so many nodes, each of JP_LOCALISER_SEARCH_POINTS or fewer
- * readings of the field. A closer look, where a place may be, counts as 60 of them; the last one may go beyond. True
- * while there is more to do. */
+/** Continues the search of a robot that is lost by the work of so many nodes, each of JP_LOCALISER_SEARCH_POINTS or
+ * fewer readings of the field. A closer look, where a place may be, counts as 60 of them; the last one may go beyond.
+ * True while there is more to do. */
 bool jp_localiser_work(struct jp_localiser *localiser, unsigned nodes);
 
 #ifdef __cplusplus

@@ -232,8 +232,7 @@ static bool is_step_cheapest(const struct jp_patrol *patrol, const struct jp_pat
             goal->is_heading_free ? 0.0f : jp_plane_magnitude(jp_plane_wrap(goal->pose.heading - window->direction)),
         .error = goal_heading_error(patrol)};
 
-    return patrol->config.strategy != (uint8_t)JP_PATROL_BY_COST ||
-           jp_patrol_is_step_cheapest(&patrol->config, &near);
+    return patrol->config.strategy != (uint8_t)JP_PATROL_BY_COST || jp_patrol_is_step_cheapest(&patrol->config, &near);
 }
 
 static void turn_first(struct jp_patrol *patrol, const struct jp_patrol_window *window)

@@ -37,12 +37,12 @@ struct planned_leg {
     const struct jp_patrol_plan *plan;
     struct jp_four_wheel_drive drive;
     float duration;
-    float length; /* of the path, m */
-    float room;   /* of it, where it may glide into the goal, m */
-    float speed;  /* now */
-    float askew;  /* angle of the wheels from straight on as it stands, all alike, rad */
+    float length;    /* of the path, m */
+    float room;      /* of it, where it may glide into the goal, m */
+    float speed;     /* now */
+    float askew;     /* angle of the wheels from straight on as it stands, all alike, rad */
     bool has_turned; /* in place: they stand as for that */
-    jp_q24 grade; /* of the piece that is driven */
+    jp_q24 grade;    /* of the piece that is driven */
 };
 
 static float smaller(float a, float b)
@@ -99,8 +99,8 @@ static void steer_askew(struct planned_leg *leg, float askew)
     leg->has_turned = false;
 }
 
-/* In place by an angle of 0 or more, at its mean rate: what is asked acts after the latency, and is seen to have come to
- * its end a cycle later. */
+/* In place by an angle of 0 or more, at its mean rate: what is asked acts after the latency, and is seen to have come
+ * to its end a cycle later. */
 static void turn(struct planned_leg *leg, float angle)
 {
     const struct jp_patrol_config *const config = leg->config;
@@ -292,11 +292,11 @@ static bool steps(const struct planned_leg *leg, struct jp_patrol_near_goal *way
     const float then = jp_plane_magnitude(jp_plane_wrap(plan->goal.pose.heading - direction));
     const float error = jp_plane_magnitude(jp_plane_wrap(plan->goal.pose.heading - plan->start.heading));
 
-    *way = (struct jp_patrol_near_goal){
-        .away = jp_plane_length(plan->goal.pose.x - start.x, plan->goal.pose.y - start.y),
-        .first = jp_plane_magnitude(jp_plane_wrap(direction - plan->start.heading)),
-        .then = plan->goal.is_heading_free ? 0.0f : then,
-        .error = plan->goal.is_heading_free ? 0.0f : error};
+    *way =
+        (struct jp_patrol_near_goal){.away = jp_plane_length(plan->goal.pose.x - start.x, plan->goal.pose.y - start.y),
+                                     .first = jp_plane_magnitude(jp_plane_wrap(direction - plan->start.heading)),
+                                     .then = plan->goal.is_heading_free ? 0.0f : then,
+                                     .error = plan->goal.is_heading_free ? 0.0f : error};
     return glides(leg) && leg->config->turns_in_place && way->first > leg->config->turn_first &&
            jp_plane_length(plan->goal.pose.x - end.x, plan->goal.pose.y - end.y) < leg->config->position_tolerance &&
            leg->length < STRAIGHT * way->away && jp_patrol_is_step_cheapest(leg->config, way);

@@ -565,7 +565,8 @@ static struct chassis_motion motion_at(const struct jp_patrol *patrol, const str
     const float askew = jp_plane_wrap(direction - glide->pose.heading);
     const float away = goal_distance(patrol, &glide->pose);
     const float remaining = glide->is_to_goal ? jp_plane_wrap(glide->heading - glide->pose.heading) : askew;
-    const float early = EARLIER * jp_plane_magnitude(remaining) * speed / larger(away, patrol->config.position_tolerance);
+    const float early =
+        EARLIER * jp_plane_magnitude(remaining) * speed / larger(away, patrol->config.position_tolerance);
     const float stopping =
         jp_patrol_stopping_speed(&patrol->config, patrol->config.turn_acceleration, jp_plane_magnitude(remaining));
     const float due = glide->is_to_goal ? smaller(early, stopping) : stopping;

@@ -16,8 +16,8 @@ int32_t jp_patrol_cell_at(const struct jp_terrain *map, float coordinate);
 void jp_patrol_clear_ways(const struct jp_terrain *given, struct jp_terrain *marked, const struct jp_scan *scan,
                           const struct jp_plane_pose *scanner, uint16_t first, uint16_t end);
 
-/** Then, marks what the scan saw at the ends of all beams; one within the tolerance of their error, m, but no more than a
- *  cell, from what stands on the given map is that. Work: a few cells at each end. */
+/** Then, marks what the scan saw at the ends of all beams; one within the tolerance of their error, m, but no more than
+ * a cell, from what stands on the given map is that. Work: a few cells at each end. */
 void jp_patrol_mark_ends(const struct jp_terrain *given, struct jp_terrain *marked, const struct jp_scan *scan,
                          const struct jp_plane_pose *scanner, float tolerance);
 

@@ -231,7 +231,8 @@ void jp_patrol_turn(struct jp_patrol *patrol, const struct jp_plane_speed *speed
     const float remaining = update_turn(patrol);
     const float angle = jp_plane_magnitude(remaining);
     const float exactly = 0.5f * config->heading_tolerance;
-    const bool is_there = angle < (patrol->internal.is_arriving ? exactly : jp_plane_larger(exactly, JP_PATROL_ROUGHLY));
+    const bool is_there =
+        angle < (patrol->internal.is_arriving ? exactly : jp_plane_larger(exactly, JP_PATROL_ROUGHLY));
 
     if (is_there && jp_plane_magnitude(speed->turn_rate) < STANDSTILL_TURN_RATE) {
         end_turn(patrol);

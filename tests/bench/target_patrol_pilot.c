@@ -1,6 +1,6 @@
-/** Instructions of one jp_patrol_pilot_work(), the worst over drives in a room of 10 m × 8 m in cells of 5 cm: to goals by
- * prices, among people who walk, round boxes that the map does not show, and lost; of slices with a cycle of the patrol,
- * and of those without. */
+/** Instructions of one jp_patrol_pilot_work(), the worst over drives in a room of 10 m × 8 m in cells of 5 cm: to goals
+ * by prices, among people who walk, round boxes that the map does not show, and lost; of slices with a cycle of the
+ * patrol, and of those without. */
 #include <joulepath/patrol_pilot.h>
 #include <joulepath/tables.h>
 
@@ -8,13 +8,22 @@
 #include "tests/target/cycles.h"
 #include "tests/target/target.h"
 
-#define CELL          0.05f /* m */
-#define STEP          0.05f /* of a ray, m */
-#define RANGE         8.0f  /* m */
-#define PERSON_RADIUS 0.25f /* m */
+#define CELL          0.05f  /* m */
+#define STEP          0.05f  /* of a ray, m */
+#define RANGE         8.0f   /* m */
+#define PERSON_RADIUS 0.25f  /* m */
 #define PERSON_SPEED  0.008f /* m in a tick */
 
-enum { WIDTH = 200, HEIGHT = 160, BLOCK = 500 * 1024, SCAN_TICKS = 10, PEOPLE = 2, GOALS = 3, SETTLING_TICKS = 30, TICKS = 2500 };
+enum {
+    WIDTH = 200,
+    HEIGHT = 160,
+    BLOCK = 500 * 1024,
+    SCAN_TICKS = 10,
+    PEOPLE = 2,
+    GOALS = 3,
+    SETTLING_TICKS = 30,
+    TICKS = 2500
+};
 
 static uint64_t map_block[WIDTH * HEIGHT / 8];
 static uint64_t block[BLOCK / 8];
@@ -69,7 +78,8 @@ static enum jp_status make_map(void)
 /* Beside and in the way of where the map says that it leads. */
 static bool is_in_box(float x, float y)
 {
-    return has_boxes && ((x > 2.8f && x < 3.3f && y > 1.6f && y < 4.2f) || (x > 6.0f && x < 6.9f && y > 1.4f && y < 1.9f));
+    return has_boxes &&
+           ((x > 2.8f && x < 3.3f && y > 1.6f && y < 4.2f) || (x > 6.0f && x < 6.9f && y > 1.4f && y < 1.9f));
 }
 
 static bool is_solid(float x, float y)
@@ -219,7 +229,8 @@ static void print_figure(const char *name, const struct slices *slices)
     target_print_number(slices->count);
     target_print("\", \"value\": ");
     target_print_number(slices->worst);
-    target_print(", \"unit\": \"instructions\", \"bound\": {\"op\": \"<=\", \"value\": 3000000}, \"command\": \"make figures\"}");
+    target_print(", \"unit\": \"instructions\", \"bound\": {\"op\": \"<=\", \"value\": 3000000}, \"command\": \"make "
+                 "figures\"}");
 }
 
 int main(void)

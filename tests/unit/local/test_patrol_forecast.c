@@ -349,7 +349,8 @@ static void test_no_glide_into_the_goal_behind_another(void)
     config.strategy = (uint8_t)JP_PATROL_BY_COST;
     config.step_speed = 0.05f;
     TEST_ASSERT_TRUE(seconds_of(&any_heading) < before);
-    expect_within(0.1f, seconds_of(&any_heading) + jp_patrol_turn_seconds(&config, rest) + 0.8491f / 3.4907f + turn_delay(),
+    expect_within(0.1f,
+                  seconds_of(&any_heading) + jp_patrol_turn_seconds(&config, rest) + 0.8491f / 3.4907f + turn_delay(),
                   seconds_of(&plan));
 }
 

@@ -293,8 +293,7 @@ static void test_it_knows_where_it_is_however_late_its_scan_comes(void)
         const uint32_t cycles = pilot.mission.patrol.counts.cycles;
 
         tick();
-        fastest = jp_plane_larger(
-            fastest, 100.0f * jp_plane_length(room.pose.x - before.x, room.pose.y - before.y));
+        fastest = jp_plane_larger(fastest, 100.0f * jp_plane_length(room.pose.x - before.x, room.pose.y - before.y));
         if (pilot.mission.patrol.counts.cycles != cycles) {
             const struct jp_plane_pose believed = jp_patrol_pilot_pose(&pilot);
 
