@@ -88,6 +88,7 @@ struct jp_patrol_mission_internal {
     float detour_clearance;     /**< of it from there, m */
     float detour_due;           /**< after so much standing for people, s */
     bool is_watch_due;
+    uint16_t rows_stale;        /**< of the marked map, from the south: what is marked on them is to be forgotten */
     enum jp_patrol_marks marks; /**< being made */
     struct jp_scan scan;        /**< of them; no ranges: there is nothing to mark */
     struct jp_plane_pose scanner;
@@ -129,13 +130,13 @@ enum jp_status jp_patrol_mission_forget_marks(struct jp_patrol_mission *mission)
 void jp_patrol_mission_stop(struct jp_patrol_mission *mission);
 
 /** Continues planning, and marking what the last scan shows, whose ranges must stay until the next cycle: for at most
- * so many expansions (grid_planner.h), of which the cells along a beam count as four, or for one smoothing of a path
- * (path_spline.h) or one search for a place to turn, which reads 36 times the cells under the robot for each of up to
- * 21 places. */
+ * so many expansions (grid_planner.h), of which the cells along a beam count as four, and 64 cells whose marks are
+ * forgotten as one; or for one smoothing of a path (path_spline.h) or one search for a place to turn, which reads 36
+ * times the cells under the robot for each of up to 21 places. */
 enum jp_patrol_mission_state jp_patrol_mission_work(struct jp_patrol_mission *mission, unsigned expansions);
 
-/** One cycle of the patrol; what replanning it requires is left to jp_patrol_mission_work(). Failures are those of
- *  jp_patrol_cycle(). One that finds a new place also copies the map. */
+/** One cycle of the patrol; what replanning it requires is left to jp_patrol_mission_work(). Failures and work are
+ *  those of jp_patrol_cycle(). */
 enum jp_status jp_patrol_mission_cycle(struct jp_patrol_mission *mission, const struct jp_patrol_input *input,
                                        struct jp_twist *twist);
 

@@ -9,6 +9,7 @@
 #include "src/base/point.h"
 #include "src/local/patrol_approach.h"
 #include "src/local/patrol_glide.h"
+#include "src/local/patrol_marking.h"
 #include "src/local/patrol_marks.h"
 #include "src/local/patrol_path.h"
 #include "src/local/patrol_plan_prices.h"
@@ -31,9 +32,6 @@
 /* Nearer to the goal than this, m, the approach is not changed any more; checked once in so many cycles. */
 #define WATCH_DISTANCE 0.5f
 #define WATCH_CYCLES   5U
-
-/* Of a beam, expansions. */
-#define BEAM_WORK 4U
 
 /* A new path is looked for after so many blocked cycles, at most so often before the robot has got on by its horizon.
  */
@@ -148,18 +146,6 @@ static enum jp_status check(const struct jp_patrol_mission_config *config, const
     return is_footprint_in_range(config) ? JP_OK : jp_config_refuse("teb.footprint", field);
 }
 
-static void copy_map(struct jp_patrol_mission *mission)
-{
-    const struct jp_terrain *const given = mission->config.map;
-
-    for (int32_t y = 0; y < (int32_t)given->config.height; y++) {
-        for (int32_t x = 0; x < (int32_t)given->config.width; x++) {
-            (void)jp_terrain_set_cell(&mission->internal.marked, x, y, jp_terrain_cell(given, x, y));
-            (void)jp_terrain_set_elevation(&mission->internal.marked, x, y, jp_terrain_elevation(given, x, y));
-        }
-    }
-}
-
 static enum jp_status divide(struct jp_patrol_mission *mission, void *block, size_t size, const char **field)
 {
     const struct jp_terrain_config *const map = &mission->config.map->config;
@@ -205,7 +191,7 @@ enum jp_status jp_patrol_mission_init(struct jp_patrol_mission *mission, const s
     const enum jp_status divided = divide(mission, block, size, field);
 
     if (divided == JP_OK) {
-        copy_map(mission);
+        jp_patrol_marking_start(mission);
     }
     return divided;
 }
@@ -218,7 +204,7 @@ enum jp_status jp_patrol_mission_forget_marks(struct jp_patrol_mission *mission)
     if (mission->state == JP_MISSION_PLANNING) {
         return JP_ERR_STATE;
     }
-    copy_map(mission);
+    jp_patrol_marking_forget_now(mission);
     return JP_OK;
 }
 
@@ -590,56 +576,6 @@ void jp_patrol_mission_stop(struct jp_patrol_mission *mission)
 
 /* ---- A cycle ---- */
 
-static void take_scan(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
-{
-    mission->internal.scan = input->scan;
-    mission->internal.scanner = jp_plane_compose(&mission->patrol.pose, &input->sensor);
-}
-
-/* Marks what the scan shows, if there is one, and then goes on with what it is for. A map must not change while a path
- * is looked for. */
-static void begin_marks(struct jp_patrol_mission *mission, const struct jp_patrol_input *input,
-                        enum jp_patrol_marks marks)
-{
-    take_scan(mission, input);
-    mission->internal.scan.ranges = input->is_lost ? NULL : input->scan.ranges;
-    mission->internal.marks = marks;
-    mission->internal.beam = 0;
-    if (marks != JP_MARKS_WATCH) {
-        mission->state = JP_MISSION_PLANNING;
-    }
-}
-
-/* The rest is seen by a scan that comes meanwhile, from where the robot is by then. */
-static void go_on_with_marks(struct jp_patrol_mission *mission, const struct jp_patrol_input *input)
-{
-    if (input->scan.ranges != NULL && !input->is_lost) {
-        take_scan(mission, input);
-    }
-}
-
-/* Of some beams; true: of all. */
-static bool make_marks(struct jp_patrol_mission *mission, unsigned expansions)
-{
-    const struct jp_scan *const scan = &mission->internal.scan;
-    const unsigned left = (unsigned)scan->count - mission->internal.beam;
-    const unsigned beams = expansions / BEAM_WORK + 1U;
-    const uint16_t end = (uint16_t)(mission->internal.beam + (beams < left ? beams : left));
-
-    if (scan->ranges == NULL) {
-        return true;
-    }
-    jp_patrol_clear_ways(mission->config.map, &mission->internal.marked, scan, &mission->internal.scanner,
-                         mission->config.patrol.scan.tolerance, mission->internal.beam, end);
-    mission->internal.beam = end;
-    if (end < scan->count) {
-        return false;
-    }
-    jp_patrol_mark_ends(mission->config.map, &mission->internal.marked, scan, &mission->internal.scanner,
-                        mission->config.patrol.scan.tolerance);
-    return true;
-}
-
 /* Stops for another approach when the laser shows that there is no room to turn at the goal. */
 static void watch_goal(struct jp_patrol_mission *mission)
 {
@@ -680,8 +616,8 @@ static void end_marks(struct jp_patrol_mission *mission)
 
 enum jp_patrol_mission_state jp_patrol_mission_work(struct jp_patrol_mission *mission, unsigned expansions)
 {
-    if (mission->internal.marks != JP_MARKS_NONE) {
-        if (make_marks(mission, expansions)) {
+    if (jp_patrol_marking_is_due(mission)) {
+        if (jp_patrol_marking_work(mission, expansions)) {
             end_marks(mission);
         }
     } else if (mission->state == JP_MISSION_PLANNING) {
@@ -709,7 +645,7 @@ static void forget_what_closes(struct jp_patrol_mission *mission)
 {
     if (mission->internal.is_closed && mission->internal.forgets < FORGETS_MAX) {
         mission->internal.forgets++;
-        copy_map(mission);
+        jp_patrol_marking_forget(mission);
     }
 }
 
@@ -721,7 +657,7 @@ static void wait(struct jp_patrol_mission *mission, const struct jp_patrol_input
         mission->replans++;
         count_try(mission);
         forget_what_closes(mission);
-        begin_marks(mission, input, JP_MARKS_PLAN);
+        jp_patrol_marking_begin(mission, input, JP_MARKS_PLAN);
     }
 }
 
@@ -755,7 +691,7 @@ static void follow_up(struct jp_patrol_mission *mission, const struct jp_patrol_
     } else if (needs_path(mission)) {
         wait(mission, input);
     } else if (is_detour_due(mission)) {
-        begin_marks(mission, input, JP_MARKS_DETOUR);
+        jp_patrol_marking_begin(mission, input, JP_MARKS_DETOUR);
     } else {
         mission->internal.waited = 0;
     }
@@ -765,7 +701,8 @@ static void follow_up(struct jp_patrol_mission *mission, const struct jp_patrol_
  */
 static void plan_from_new_place(struct jp_patrol_mission *mission)
 {
-    copy_map(mission);
+    jp_patrol_marking_forget(mission);
+    mission->internal.marks = JP_MARKS_NONE;
     if (mission->state == JP_MISSION_PLANNING || mission->state == JP_MISSION_UNDER_WAY) {
         jp_patrol_hold(&mission->patrol);
         plan(mission);
@@ -789,13 +726,13 @@ enum jp_status jp_patrol_mission_cycle(struct jp_patrol_mission *mission, const 
     }
     mission->internal.is_watch_due =
         mission->internal.is_watch_due || mission->patrol.counts.cycles % WATCH_CYCLES == 0U;
-    go_on_with_marks(mission, input);
+    jp_patrol_marking_see(mission, input);
     if (mission->state != JP_MISSION_PLANNING) {
         follow_up(mission, input);
     }
     if (mission->state != JP_MISSION_PLANNING) {
         if (mission->internal.is_watch_due && mission->internal.marks == JP_MARKS_NONE) {
-            begin_marks(mission, input, JP_MARKS_WATCH);
+            jp_patrol_marking_begin(mission, input, JP_MARKS_WATCH);
             mission->internal.is_watch_due = false;
         }
         mission->state = state_of(mission);

@@ -900,7 +900,13 @@ static void test_from_a_new_place_marks_are_forgotten(void)
     rig_sense();
     input.is_new_place = true;
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_mission_cycle(&mission, &input, &twist));
+    /* In slices, from the north, before a path is looked for. */
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_PLANNING, jp_patrol_mission_work(&mission, 1));
+    TEST_ASSERT_TRUE(is_marked(2.9f));
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_PLANNING, jp_patrol_mission_work(&mission, 1000));
     TEST_ASSERT_FALSE(is_marked(2.9f));
+    TEST_ASSERT_FALSE(mission.internal.is_searching);
+    TEST_ASSERT_EQUAL_UINT16(0, mission.internal.rows_stale);
 }
 
 /* What it sees while it does not know where it is marks nothing. */
