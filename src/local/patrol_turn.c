@@ -19,6 +19,10 @@
 /* Lengths of a step along the path that are tried, each half of the one before. */
 #define STEP_TRIES 4U
 
+/* Steps back that are tried, each so much longer, m. */
+#define STEP_BACKS 5U
+#define STEP_BACK  0.2f
+
 /* A step ends this near its target; one to the goal is at most so long where nobody asks what it costs, m. */
 #define STEP_TOLERANCE 0.03f
 #define STEP_REACH     0.4f
@@ -250,31 +254,66 @@ static struct jp_plane_point point_ahead(const struct jp_patrol *patrol, float w
     return point;
 }
 
-static bool is_step_to_free(const struct jp_patrol *patrol, const struct jp_plane_point *target, float clearance)
+static bool is_step_to_free(const struct jp_patrol *patrol, const struct jp_plane_pose *from,
+                            const struct jp_plane_point *target, float clearance)
 {
-    const struct jp_plane_pose there = {target->x, target->y, patrol->pose.heading};
-    const struct jp_plane_pose step = jp_plane_relative(&patrol->pose, &there);
+    const struct jp_plane_pose there = {target->x, target->y, from->heading};
+    const struct jp_plane_pose step = jp_plane_relative(from, &there);
 
-    return jp_plane_length(step.x, step.y) > STEP_TOLERANCE && jp_patrol_is_step_free(patrol, &step, clearance);
+    return jp_plane_length(step.x, step.y) > STEP_TOLERANCE &&
+           jp_patrol_is_step_free_from(patrol, from, &step, clearance);
 }
 
 /* The step along the path, with the heading as it is, such as backwards out of an aisle that is too narrow to turn in:
  * as far as the robot comes in the time for which it may wait. */
-static bool find_step_along(struct jp_patrol *patrol, float clearance)
+static bool find_step_along(const struct jp_patrol *patrol, const struct jp_plane_pose *from, float clearance,
+                            struct jp_plane_point *target)
 {
     const struct jp_patrol_config *const config = &patrol->config;
     float way = config->step_speed * config->period * (float)config->waits_max;
     bool is_found = false;
 
-    patrol->internal.step_clearance = clearance;
-    if (config->strategy == (uint8_t)JP_PATROL_BY_COST && !patrol->internal.is_arriving) {
-        for (unsigned i = 0; i < STEP_TRIES && !is_found; i++) {
-            patrol->internal.step_target = point_ahead(patrol, way);
-            is_found = is_step_to_free(patrol, &patrol->internal.step_target, clearance);
-            way *= 0.5f;
-        }
+    for (unsigned i = 0; i < STEP_TRIES && !is_found; i++) {
+        *target = point_ahead(patrol, way);
+        is_found = is_step_to_free(patrol, from, target, clearance);
+        way *= 0.5f;
     }
     return is_found;
+}
+
+/* The step back, the way that it has come, to where one along the path is free: a path is planned for a disc, which
+ * gets out from between things where the robot cannot. */
+static bool find_step_back(const struct jp_patrol *patrol, float clearance, struct jp_plane_point *target)
+{
+    bool is_found = false;
+
+    for (unsigned i = 1; i <= STEP_BACKS && !is_found; i++) {
+        const struct jp_plane_pose back = {-(float)i * STEP_BACK, 0.0f, 0.0f};
+        const struct jp_plane_pose there = jp_plane_compose(&patrol->pose, &back);
+        struct jp_plane_point along;
+
+        *target = (struct jp_plane_point){there.x, there.y};
+        is_found =
+            jp_patrol_is_step_free(patrol, &back, clearance) && find_step_along(patrol, &there, clearance, &along);
+    }
+    return is_found;
+}
+
+/* Out of where there is no room to turn. */
+static bool find_step_out(struct jp_patrol *patrol, float least)
+{
+    struct jp_patrol_internal *const self = &patrol->internal;
+
+    if (patrol->config.strategy != (uint8_t)JP_PATROL_BY_COST || self->is_arriving) {
+        return false;
+    }
+    self->step_clearance = jp_patrol_step_clearance(&patrol->config);
+    if (find_step_along(patrol, &patrol->pose, self->step_clearance, &self->step_target)) {
+        return true;
+    }
+    self->step_clearance = least;
+    return find_step_along(patrol, &patrol->pose, least, &self->step_target) ||
+           find_step_back(patrol, least, &self->step_target);
 }
 
 /* With the clearance that is wanted where there is a place with it, else with as much as there is. */
@@ -290,8 +329,7 @@ void jp_patrol_turn_to(struct jp_patrol *patrol, float heading)
             return;
         }
     }
-    if ((patrol->internal.is_arriving && jp_patrol_find_last_step(patrol)) ||
-        find_step_along(patrol, jp_patrol_step_clearance(&patrol->config)) || find_step_along(patrol, least)) {
+    if ((patrol->internal.is_arriving && jp_patrol_find_last_step(patrol)) || find_step_out(patrol, least)) {
         jp_patrol_begin_step(patrol);
     } else {
         patrol->counts.infeasible++;

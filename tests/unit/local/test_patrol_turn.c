@@ -726,6 +726,38 @@ static void test_robot_backs_out_between_posts(void)
     TEST_ASSERT_TRUE(robot.x < -2.9f);
 }
 
+/* Beside a wall, behind a box: its path goes up behind that, where no step leads before it has got back. */
+static void stand_beside_a_box(float right)
+{
+    config.strategy = (uint8_t)JP_PATROL_BY_COST;
+    rig_init();
+    rig_wall(-3.0f, -0.36f, 3.0f, -0.36f);
+    rig_box(-0.6f, 0.36f, right, 0.9f);
+    rig_straight(0.0f, 0.0f, 0.4f, 0.3f);
+    rig_straight(0.45f, 0.4f, 0.45f, 2.5f);
+    TEST_ASSERT_EQUAL_INT(JP_OK, rig_follow(0.45f, 2.5f, 0.0f, true));
+    robot.heading = JP_PLANE_PI;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_patrol_set_pose(&patrol, &robot));
+    rig_cycle();
+}
+
+static void test_robot_steps_back_from_beside_a_box(void)
+{
+    stand_beside_a_box(0.0f);
+    rig_expect(JP_PATROL_STEPPING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(patrol.internal.step_target.x > 0.1f);
+    TEST_ASSERT_NEAR(0.001f, 0.0f, patrol.internal.step_target.y);
+    (void)rig_until(JP_PATROL_ARRIVED, RIG_LONG);
+    TEST_ASSERT_NEAR(0.1f, 2.5f, robot.y);
+}
+
+/* Where it does not get free of the box by that, it waits. */
+static void test_robot_between_a_box_and_a_wall_waits(void)
+{
+    stand_beside_a_box(3.0f);
+    rig_expect(JP_PATROL_WAITING, JP_PATROL_BLOCKED);
+}
+
 /* A wall beside the goal leaves less than a step whose way is known keeps. */
 static void test_the_last_step_keeps_no_more_than_a_turn(void)
 {
