@@ -410,6 +410,9 @@ static void tell_round(const void *context, struct jp_can_frame frames[JP_NAVIGA
 
 /* Start. */
 
+static const struct jp_wayfinder_rounds rounds = {
+    .accept = accept, .ready = round_ready, .drop = drop_round, .begin = begin_round, .tell = tell_round};
+
 struct jp_wayfinder jp_ecu_patrol_round_wayfinder(struct jp_ecu_patrol_round *round, struct jp_ecu_patrol *patrol)
 {
     *round = (struct jp_ecu_patrol_round){.patrol = patrol, .way = jp_ecu_patrol_wayfinder(patrol)};
@@ -423,9 +426,5 @@ struct jp_wayfinder jp_ecu_patrol_round_wayfinder(struct jp_ecu_patrol_round *ro
                                  .stop = stop,
                                  .work = work,
                                  .tell = tell,
-                                 .accept = accept,
-                                 .round_ready = round_ready,
-                                 .drop_round = drop_round,
-                                 .begin_round = begin_round,
-                                 .tell_round = tell_round};
+                                 .rounds = &rounds};
 }

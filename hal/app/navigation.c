@@ -390,7 +390,7 @@ static void drop_round(struct jp_navigation *navigation)
 {
     navigation->is_round = false;
     if (jp_navigation_goes_round(navigation)) {
-        navigation->finder.drop_round(navigation->finder.self);
+        navigation->finder.rounds->drop(navigation->finder.self);
     }
 }
 
@@ -410,7 +410,7 @@ static enum jp_e2e_result accept_goal(struct jp_navigation *navigation, const st
 
 bool jp_navigation_goes_round(const struct jp_navigation *navigation)
 {
-    return navigation->finder.accept != NULL;
+    return navigation->finder.rounds != NULL;
 }
 
 /** A round that is ready takes the goal's place. */
@@ -418,8 +418,8 @@ static enum jp_e2e_result accept_of_round(struct jp_navigation *navigation, cons
 {
     const struct jp_wayfinder *finder = &navigation->finder;
     const uint8_t map = navigation->is_prepared ? navigation->maps.id : 0U;
-    const enum jp_e2e_result result = finder->accept(finder->self, frame, map);
-    const uint8_t ready = finder->round_ready(finder->self);
+    const enum jp_e2e_result result = finder->rounds->accept(finder->self, frame, map);
+    const uint8_t ready = finder->rounds->ready(finder->self);
 
     if (ready != 0U && !(navigation->is_round && navigation->goal.id == ready)) {
         navigation->goal = (struct jp_map_goal){.map = map, .id = ready};
@@ -454,7 +454,7 @@ bool jp_navigation_drive(struct jp_navigation *navigation, uint8_t goal)
     }
     const struct jp_wayfinder *finder = &navigation->finder;
     const enum jp_status status =
-        navigation->is_round ? finder->begin_round(finder->self) : finder->go(finder->self, &navigation->goal);
+        navigation->is_round ? finder->rounds->begin(finder->self) : finder->go(finder->self, &navigation->goal);
 
     if (status == JP_OK) {
         navigation->answer = JP_GOAL_DRIVEN;
@@ -656,7 +656,7 @@ static uint8_t tell_round(const struct jp_navigation *navigation, struct jp_can_
     }
     begin(&frames[0], JP_CAN_ROUND_STATUS_FRAME_ID);
     begin(&frames[1], JP_CAN_ROUND_BATTERY_FRAME_ID);
-    finder->tell_round(finder->self, frames);
+    finder->rounds->tell(finder->self, frames);
     return JP_NAVIGATION_ROUND_FRAMES;
 }
 

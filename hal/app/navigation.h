@@ -115,6 +115,21 @@ struct jp_way_report {
     uint16_t leg_count;               /**< 0: there is no course */
 };
 
+/** What a wayfinder that goes round between places of the map does, such as ecu_patrol_round.h; `self` is the finder's.
+ */
+struct jp_wayfinder_rounds {
+    /** Takes a RoundOffer, RoundData or BatteryCharge of the right length; `map`: id of that which is there, 0: none.
+     */
+    enum jp_e2e_result (*accept)(void *self, const struct jp_can_frame *frame, uint8_t map);
+    /** Id of the round that waits to be driven; 0: none does. */
+    uint8_t (*ready)(const void *self);
+    /** That which waits is forgotten: a goal has come. */
+    void (*drop)(void *self);
+    /** JP_ERR_STATE: not yet; other failures: it cannot be driven. */
+    enum jp_status (*begin)(void *self);
+    void (*tell)(const void *self, struct jp_can_frame frames[JP_NAVIGATION_ROUND_FRAMES]);
+};
+
 /** What finds the way on a map and has it driven: the navigator on a lattice (navigator.h), or what a kind of robot has
  *  of its own, such as ecu_patrol.h. `self` is handed to each function. */
 struct jp_wayfinder {
@@ -138,18 +153,8 @@ struct jp_wayfinder {
     bool (*work)(void *self);
     void (*tell)(const void *self, struct jp_way_report *report);
 
-    /* Of who goes round between places of the map, such as ecu_patrol_round.h; else null. */
-
-    /** Takes a RoundOffer, RoundData or BatteryCharge of the right length; `map`: id of that which is there, 0: none.
-     */
-    enum jp_e2e_result (*accept)(void *self, const struct jp_can_frame *frame, uint8_t map);
-    /** Id of the round that waits to be driven; 0: none does. */
-    uint8_t (*round_ready)(const void *self);
-    /** That which waits is forgotten: a goal has come. */
-    void (*drop_round)(void *self);
-    /** JP_ERR_STATE: not yet; other failures: it cannot be driven. */
-    enum jp_status (*begin_round)(void *self);
-    void (*tell_round)(const void *self, struct jp_can_frame frames[JP_NAVIGATION_ROUND_FRAMES]);
+    /** NULL: it does not go round between places. */
+    const struct jp_wayfinder_rounds *rounds;
 };
 
 /** The members but `maps` and `navigator` are private, and those may only be read. */

@@ -1,5 +1,5 @@
-"""The patrol robot's image for a Cortex-M7: in QEMU it gets map and goal, or a round, sees and drives as the program does,
-bit by bit; what it takes of flash and RAM."""
+"""The patrol robot's image for a Cortex-M7: in QEMU it gets map and goal, or a round, sees and drives as the program
+does, bit by bit; what it takes of flash and RAM."""
 import json
 import re
 import subprocess
@@ -43,8 +43,8 @@ deviations = 1.645;
 def patrol(folder, bus, output):
     (folder / "room.json").write_text(json.dumps(room()))
     (folder / "round.cfg").write_text(ROUND)
-    return [BIN / "jp-patrol", "--map", folder / "room.json", "--round", folder / "round.cfg", "--hours=0.005", "--bus", bus,
-            "--patience", str(LIMIT), "--output", output]
+    return [BIN / "jp-patrol", "--map", folder / "room.json", "--round", folder / "round.cfg", "--hours=0.005",
+            "--bus", bus, "--patience", str(LIMIT), "--output", output]
 
 
 def frames(output):

@@ -14,10 +14,13 @@ OUTCOMES = {"arrived", "turned home", "left out", "no way", "cut short"}
 
 
 def write_map(path, origin=(0.0, 0.0, 0.0), width=140, height=100):
-    rows = [["#" if x in (0, width - 1) or y in (0, height - 1) or (x == 60 and y < 40) else "." for x in range(width)]
-            for y in reversed(range(height))]
+    def is_wall(x, y):
+        return x in (0, width - 1) or y in (0, height - 1) or (x == 60 and y < 40)
+
+    rows = [["#" if is_wall(x, y) else "." for x in range(width)] for y in reversed(range(height))]
     path.write_text(json.dumps({"format": "joulepath-map-1", "name": path.stem, "width": width, "height": height,
-                                "resolution_m": CELL, "origin_m": list(origin), "rows": ["".join(row) for row in rows]}))
+                                "resolution_m": CELL, "origin_m": list(origin),
+                                "rows": ["".join(row) for row in rows]}))
     return path
 
 
@@ -27,8 +30,8 @@ def write_round(path, **changes):
 
 
 def patrol(folder, *options, changes=None, **more):
-    return run("jp-patrol", f"--map={write_map(folder / 'room.json')}",
-               f"--round={write_round(folder / 'round.cfg', **(changes or {}))}", "--output", folder / "out", *options, **more)
+    world, rounds = write_map(folder / "room.json"), write_round(folder / "round.cfg", **(changes or {}))
+    return run("jp-patrol", f"--map={world}", f"--round={rounds}", "--output", folder / "out", *options, **more)
 
 
 def driven(folder, *options, status=0, changes=None):
@@ -99,8 +102,7 @@ def test_the_table_has_units_and_every_journey(both):
     for folder, summary, text in both:
         lines = text.splitlines()
         head = next(i for i, line in enumerate(lines) if line.startswith("from"))
-        assert lines[head].split() == ["from", "to", "outcome", "start", "s", "time", "s", "length", "m", "foretold", "J", "±", "J",
-                                       "taken", "J", "left", "J"]
+        assert lines[head].split() == "from to outcome start s time s length m foretold J ± J taken J left J".split()
         table = lines[head + 1:head + 1 + len(summary["journeys"])]
         assert all(("stop" in line or "charger" in line) and len(line) == len(lines[head]) for line in table)
         assert lines[head + 1 + len(table)] == ""
@@ -121,8 +123,9 @@ def test_two_programs_go_round_as_one(tmp_path):
     one, _ = driven(tmp_path, "--hours=0.02", "--bus", "in-process")
     with Programs(tmp_path) as programs:
         line = tmp_path / "line"
-        plant = programs.start(BIN / "jp-patrol", f"--map={tmp_path / 'room.json'}", f"--round={tmp_path / 'round.cfg'}",
-                               "--hours=0.02", "--bus", f"pty:{line}", "--output", tmp_path / "two", "--patience", str(LIMIT))
+        plant = programs.start(BIN / "jp-patrol", f"--map={tmp_path / 'room.json'}",
+                               f"--round={tmp_path / 'round.cfg'}", "--hours=0.02", "--bus", f"pty:{line}",
+                               "--output", tmp_path / "two", "--patience", str(LIMIT))
         wait_until(line.exists, "the line")
         programs.start(BIN / "jp-ecu", "--bus", f"slcan:{line}", "--robot", "patrol")
         assert plant.process.wait(LIMIT) == 0, plant.err.read_text()
@@ -138,8 +141,7 @@ def test_in_the_maps_own_frame(both, tmp_path):
                  "--output", tmp_path / "out")
     assert result.returncode == 0
     moved = json.loads((tmp_path / "out/summary.json").read_text())
-    assert [moved[key] for key in ("visits", "charges", "fingerprint")] == [both[0][1][key]
-                                                                           for key in ("visits", "charges", "fingerprint")]
+    assert all(moved[key] == both[0][1][key] for key in ("visits", "charges", "fingerprint"))
 
 
 @pytest.mark.parametrize("options", [(), ("--bus", "in-process")])

@@ -25,7 +25,8 @@ def write_log(path, seconds=240):
         way = min(share / 0.4, 1) if share < 0.5 else max(0, (0.9 - share) / 0.4)
         held = 5000 - 4000 * min(share / 0.9, 1) + (4000 * (share - 0.9) / 0.1 if share > 0.9 else 0)
         lines.append(",".join(f"{value:.3f}" for value in (
-            0.5 * i, 1 + 4 * way, 1 + 0.2 * math.sin(math.pi * way), 0, held, held - 5, state, 0 if share < 0.5 else 2)))
+            0.5 * i, 1 + 4 * way, 1 + 0.2 * math.sin(math.pi * way), 0, held, held - 5, state,
+            0 if share < 0.5 else 2)))
     path.write_text("\n".join(lines) + "\n")
 
 
@@ -38,8 +39,8 @@ def summary_of(**changes):
     battery = {"full_j": 5000.0, "reserve_j": 200.0, "charger_w": 400.0, "deviations": 1.645, "least_left_j": 987.0,
                "below_reserve": 0, "account_error_j": 7.5}
     return {"kind": "round", "robot": "patrol", "scene": "depot", "robot_size_m": SIZE, "seed": 3, "hours": 0.5,
-            "outcome": "went on", "reason": "", "visits": 2, "charges": 1, "skipped": 1, "time_s": 240.0, "length_m": 16.5,
-            "energy_j": 4321.0, "charger": CHARGER, "stops": [{"pose": pose, "dwell_s": 12.0} for pose in STOPS],
+            "outcome": "went on", "reason": "", "visits": 2, "charges": 1, "skipped": 1, "time_s": 240.0,
+            "length_m": 16.5, "energy_j": 4321.0, "charger": CHARGER, "stops": [{"pose": pose, "dwell_s": 12.0} for pose in STOPS],
             "map": {"file": "room.json", "width": WIDTH, "height": HEIGHT, "resolution_m": CELL, "rows": map_rows()},
             "battery": battery, "journeys": [journey(2, 0), journey(0, 2, "turned home")], "log": "log_round.csv",
             **changes}
@@ -86,7 +87,8 @@ def test_the_battery_over_time(seconds, label, tmp_path):
     figure, axes = round_report.plots.new_figure(6, 3)
     round_report.fill_battery(axes, rounds)
     texts = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert texts == ["at the charger", "at a stop", "on its way home", "in the battery", "as the robot counts", "reserve"]
+    assert texts == ["at the charger", "at a stop", "on its way home", "in the battery", "as the robot counts",
+                     "reserve"]
     assert axes.get_xlabel() == label and axes.get_ylabel() == "energy, kJ"
     held = axes.lines[0].get_ydata()
     assert np.isclose(held.max(), 5, atol=0.1) and np.isclose(held.min(), 1, atol=0.1)
@@ -107,7 +109,8 @@ def test_the_map_names_every_place(tmp_path):
 @sketched
 def test_a_round_that_never_came_home(tmp_path):
     battery = {**summary_of()["battery"], "least_left_j": None}
-    result = report(write(tmp_path, battery=battery, journeys=[], charges=0, outcome="gave up", reason="there is no way"))
+    result = report(write(tmp_path, battery=battery, journeys=[], charges=0, outcome="gave up",
+                          reason="there is no way"))
     assert result.returncode == 0, result.stderr
     assert "there is no way" in (tmp_path / "report.html").read_text()
 

@@ -16,7 +16,8 @@ from matplotlib.patches import Circle, Patch, Polygon
 
 from tools.common import ArgumentParser, ToolError, run, shown_path, write_whole
 from tools.report import plots, round_report
-from tools.report.ground_cells import FILLS, HIDDEN, SOLID, check_map, draw_ground, draw_robot, map_window, placed, rectangle
+from tools.report.ground_cells import (FILLS, HIDDEN, SOLID, check_map, draw_ground, draw_robot, map_window, placed,
+                                       rectangle)
 from tools.report.plots import spans_of
 from tools.report.results import (format_number, need, need_list, need_numbers, need_points, need_texts, need_vector,
                                   read_columns, read_json, render_page)

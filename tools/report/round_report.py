@@ -15,8 +15,8 @@ from tools.report.plots import spans_of
 from tools.report.results import (format_number, need, need_list, need_numbers, need_texts, need_vector, read_columns,
                                   render_page)
 
-KEYS = ("robot", "scene", "robot_size_m", "seed", "hours", "outcome", "reason", "visits", "charges", "skipped", "time_s",
-        "length_m", "energy_j", "map", "charger", "stops", "battery", "journeys", "log")
+KEYS = ("robot", "scene", "robot_size_m", "seed", "hours", "outcome", "reason", "visits", "charges", "skipped",
+        "time_s", "length_m", "energy_j", "map", "charger", "stops", "battery", "journeys", "log")
 NUMBERS = ("seed", "hours", "visits", "charges", "skipped", "time_s", "length_m", "energy_j")
 BATTERY_NUMBERS = ("full_j", "reserve_j", "charger_w", "deviations", "below_reserve", "account_error_j")
 JOURNEY_NUMBERS = ("from", "to", "start_s", "time_s", "length_m", "foretold_j", "deviation_j", "taken_j", "left_j")
@@ -107,15 +107,16 @@ def below(pose, size):
 
 def draw_places(axes, about):
     size = about["robot_size_m"]
-    draw_robot(axes, size, about["charger"], facecolor=(*to_rgb(CHARGER), 0.25), edgecolor=CHARGER, linewidth=2, zorder=6)
+    draw_robot(axes, size, about["charger"], facecolor=(*to_rgb(CHARGER), 0.25), edgecolor=CHARGER, linewidth=2,
+               zorder=6)
     axes.annotate("charger", below(about["charger"], size), fontsize=9, ha="center", va="top", color=CHARGER,
                   fontweight="bold", zorder=8, path_effects=OUTLINE)
     for i, stop in enumerate(about["stops"]):
         draw_robot(axes, size, stop["pose"], facecolor="white", edgecolor=STOP, linewidth=1.6, zorder=6)
         axes.annotate(str(i + 1), stop["pose"][:2], fontsize=9, ha="center", va="center", color=STOP, fontweight="bold",
                       zorder=8, path_effects=OUTLINE)
-        axes.annotate(format_number(stop["dwell_s"], 0, "s"), below(stop["pose"], size), fontsize=8, ha="center", va="top",
-                      color=STOP, zorder=8, path_effects=OUTLINE)
+        axes.annotate(format_number(stop["dwell_s"], 0, "s"), below(stop["pose"], size), fontsize=8, ha="center",
+                      va="top", color=STOP, zorder=8, path_effects=OUTLINE)
 
 
 def map_legend(about):
@@ -212,8 +213,8 @@ def headlines(about):
 
 def figures(rounds):
     drawn = [("The ways", "The true track; stops are numbered in the order of the round.", draw_map(rounds)),
-             ("The battery", "What it held, and what the robot counted: its charger tells, and away from it its own meter.",
-              draw_battery(rounds))]
+             ("The battery", "What it held, and what the robot counted: its charger tells, and away from it its own "
+              "meter.", draw_battery(rounds))]
     return [(name, caption, plots.inline_png(figure, dpi=130)) for name, caption, figure in drawn]
 
 
