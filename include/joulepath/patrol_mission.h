@@ -78,6 +78,8 @@ struct jp_patrol_mission_internal {
     enum jp_patrol_leg leg;
     bool is_searching; /**< the grid planner is at work */
     uint8_t trial;     /**< of the clearances to try */
+    bool is_beside;    /**< the search began in a cell beside the robot */
+    uint8_t beside;    /**< such cells from which no path leads */
     struct jp_plane_pose target;
     uint16_t waited;            /**< cycles without a free path */
     uint8_t tries;              /**< to get on from about the same place */

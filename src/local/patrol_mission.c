@@ -57,6 +57,9 @@ static const float margins[] = {0.15f, 0.10f, 0.05f, 0.02f};
 /* The first of them where clearance has a price. */
 #define FIRST_PRICED 1U
 
+/* With the last of them a path is looked for from so many cells beside the robot at most. */
+#define BESIDE_MAX 8U
+
 /* All of them are first wider by so many standard deviations of the position, where that is more than so much, m. */
 #define DEVIATIONS    2.0f
 #define DEVIATION_MIN 0.01f
@@ -282,25 +285,36 @@ static float margin_of(const struct jp_patrol_mission *mission)
     return margins[mission->internal.trial % MARGINS] + more;
 }
 
+/* Of the cells around one, those that no smaller ring has. */
+static bool is_on_ring(int32_t x, int32_t y, int32_t ring)
+{
+    return x == -ring || x == ring || y == -ring || y == ring;
+}
+
 /* With the least clearance the path may begin beside the robot, no farther than it is long ahead: something that it
- * has come too near to must not keep it where it is. */
+ * has come too near to must not keep it where it is. Where no path leads from the first such cell, one between things
+ * that leave no room for the next, it may from another. */
 static bool begin_beside(struct jp_patrol_mission *mission, const struct jp_grid_cell *start,
                          const struct jp_grid_cell *goal)
 {
     const int32_t rings = (int32_t)(mission->config.patrol.teb.footprint.front / jp_patrol_cell(mission->config.map));
-    bool has_begun = false;
+    uint8_t begun = 0;
 
-    for (int32_t ring = 1; ring <= rings && !has_begun; ring++) {
+    for (int32_t ring = 1; ring <= rings && begun <= mission->internal.beside; ring++) {
         const int32_t side = 2 * ring + 1;
 
-        for (int32_t i = 0; i < side * side && !has_begun; i++) {
-            const struct jp_grid_cell cell = {(int16_t)(start->x + i % side - ring),
-                                              (int16_t)(start->y + i / side - ring)};
+        for (int32_t i = 0; i < side * side && begun <= mission->internal.beside; i++) {
+            const int32_t x = i % side - ring;
+            const int32_t y = i / side - ring;
+            const struct jp_grid_cell cell = {(int16_t)(start->x + x), (int16_t)(start->y + y)};
 
-            has_begun = jp_grid_planner_start(&mission->internal.grid, &cell, goal) == JP_OK;
+            if (is_on_ring(x, y, ring) && jp_grid_planner_start(&mission->internal.grid, &cell, goal) == JP_OK) {
+                begun++;
+            }
         }
     }
-    return has_begun;
+    mission->internal.is_beside = begun > mission->internal.beside;
+    return mission->internal.is_beside;
 }
 
 /* The clearance to try after another one. */
@@ -320,6 +334,7 @@ static bool begin_search(struct jp_patrol_mission *mission)
     const struct jp_grid_cell goal = cell_of(mission, &mission->internal.target);
     const char *field;
 
+    mission->internal.is_beside = false;
     if (config->energy != NULL) {
         if (jp_patrol_plan_prices(&config->patrol, config->energy, margin_of(mission), jp_patrol_cell(config->map),
                                   &prices) != JP_OK) {
@@ -407,6 +422,10 @@ static enum finding find(struct jp_patrol_mission *mission, unsigned expansions)
             return as_finding(follow(mission, &mission->internal.target, count));
         }
     }
+    if (mission->internal.is_beside && mission->internal.beside + 1U < BESIDE_MAX) {
+        mission->internal.beside++;
+        return PENDING;
+    }
     mission->internal.trial = next_trial(mission, mission->internal.trial);
     return mission->internal.trial < 2U * MARGINS ? PENDING : NOT_FOUND;
 }
@@ -429,6 +448,7 @@ static void seek(struct jp_patrol_mission *mission, const struct jp_plane_pose *
 {
     mission->internal.target = *target;
     mission->internal.trial = first_trial(mission);
+    mission->internal.beside = 0;
     mission->internal.is_searching = false;
     mission->state = JP_MISSION_PLANNING;
 }

@@ -342,6 +342,38 @@ static void test_a_path_may_begin_beside_a_robot_that_stands_too_near(void)
     TEST_ASSERT_EQUAL_INT(JP_MISSION_GIVEN_UP, mission.state);
 }
 
+/* It stands on a shelf, as far as it knows; the first free cell beside it is in a pocket as wide as itself. */
+static void test_from_a_pocket_the_path_begins_elsewhere(void)
+{
+    occupy(0.5f, 4.0f, 3.0f, 4.1f);
+    occupy(0.5f, 2.5f, 1.2f, 4.0f);
+    occupy(1.9f, 2.5f, 3.0f, 4.0f);
+    occupy(1.2f, 2.5f, 1.9f, 3.0f);
+    robot = (struct jp_plane_pose){1.55f, 4.05f, 0.0f};
+    mission_config.patrol.teb.footprint.front = 0.45f; /* four cells */
+    init();
+    start(6.05f, 6.05f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_UNDER_WAY, mission.state);
+    TEST_ASSERT_TRUE(mission.internal.is_beside);
+    TEST_ASSERT_EQUAL_UINT8(1, mission.internal.beside);
+    TEST_ASSERT_TRUE(mission.path[0].y > JP_Q16(4.4));
+    drive_until(JP_MISSION_ARRIVED);
+    expect_at(6.05f, 6.05f, 0.0f);
+}
+
+/* No path leads from any cell of a pocket: it does not look for one from all of them. */
+static void test_from_a_wide_pocket_it_gives_up(void)
+{
+    occupy(0.0f, 4.0f, 3.5f, 8.0f);
+    occupy(3.0f, 0.0f, 3.5f, 4.0f);
+    robot = (struct jp_plane_pose){1.55f, 4.05f, 0.0f};
+    mission_config.patrol.teb.footprint.front = 0.45f; /* four cells */
+    init();
+    start(6.05f, 6.05f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(JP_MISSION_GIVEN_UP, mission.state);
+    TEST_ASSERT_EQUAL_UINT8(7, mission.internal.beside); /* that were given up before the last */
+}
+
 /* Who gets on may be blocked as often as there are things in its way. */
 static void test_tries_begin_anew_where_it_has_got_on(void)
 {
