@@ -26,7 +26,7 @@
  * One table of swept cells decides collisions, and with it which changes of the map matter to which primitive; the
  * cells of the moves are among them.
  *
- * All functions are pure and bounded; an ISR may call them.
+ * All functions are pure and bounded; an ISR may call them. Cells may be off the map, by up to 2³⁰.
  */
 #ifndef JOULEPATH_LATTICE_H
 #define JOULEPATH_LATTICE_H

@@ -113,8 +113,8 @@ uint8_t jp_terrain_cost(const struct jp_terrain *terrain, int32_t x, int32_t y);
 /** Class of a cell's ground; 0 outside the map. Constant time. */
 uint8_t jp_terrain_class(const struct jp_terrain *terrain, int32_t x, int32_t y);
 
-/** True when the robot may be on every cell of the spans, placed with their origin on (x, y). Cells outside the map are
- *  blocked. Work: one or two words of the map a span. */
+/** True when the robot may be on every cell of the spans, placed with their origin on (x, y), which are within
+ *  ±2³⁰. Cells outside the map are blocked. Work: one or two words of the map a span. */
 bool jp_terrain_is_clear(const struct jp_terrain *terrain, const struct jp_span *spans, size_t count, int32_t x,
                          int32_t y);
 

@@ -156,7 +156,10 @@ static bool confirm(struct jp_monitor *monitor, uint16_t limit, bool is_held)
 {
     const bool is_suspected = monitor->suspected != 0U;
 
-    return (is_suspected || !is_held) && jp_count_in_a_row(&monitor->implausible_ticks, is_suspected, limit);
+    if (is_held && !is_suspected) {
+        return false;
+    }
+    return jp_count_in_a_row(&monitor->implausible_ticks, is_suspected, limit);
 }
 
 uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_config *config, enum jp_status read,

@@ -1,7 +1,9 @@
 # Proof: Frama-C's Eva on the drivers of tests/proof.
 
 PROVE := $(BUILD)/prove
-ROOM  ?=
+ROOM   ?=
+# Which public functions the drivers reach, in tests/proof/functions.yaml: RECORD=1.
+RECORD ?=
 
 # The linker tells from them what a driver stands on.
 PROVED_LIBRARIES := $(addprefix $(BUILD)/host/,libcan.a libjoulepath.a)
@@ -10,7 +12,8 @@ PROVED_LIBRARIES := $(addprefix $(BUILD)/host/,libcan.a libjoulepath.a)
 prove: ## prove that no module has undefined behaviour, of all rooms or ROOM=name; results are in build/prove
 	@tools/setup.sh prove
 	@$(MAKE) $(PARALLEL) $(PROVED_LIBRARIES)
-	$Q$(PYTHON) -m tools.measure.prove --folder $(PROVE) --room '$(ROOM)' --jobs $(JOBS) $(PROVED_LIBRARIES)
+	$Q$(PYTHON) -m tools.measure.prove --folder $(PROVE) --room '$(ROOM)' --jobs $(JOBS) \
+	    $(if $(RECORD),--record) $(PROVED_LIBRARIES)
 
 # What takes one number, for every one: minutes.
 EXHAUSTIVE := $(PROVE)/arcs

@@ -5,8 +5,9 @@ A driver calls a module with anything that its header allows. Compiled in is wha
 from the libraries that are given. An alarm is an operation that Eva cannot prove to be defined. tests/proof/alarms.yaml
 lists those that were reviewed: with the reason why they cannot happen, or as open. Prints a table, and each alarm beyond
 the list.
+tests/proof/functions.yaml lists the public functions that drivers reach, and those that none does.
 Results are kept in FOLDER by the content of all that was compiled in. Exit status 1: an alarm that is not listed, one
-that is listed and gone, or a driver that was not analysed to its end; 2: bad input.
+that is listed and gone, a list of functions that is not true, or a driver that was not analysed to its end; 2: bad input.
 """
 import csv
 import hashlib
@@ -25,6 +26,7 @@ import yaml
 
 from tools.common import (EXIT_MISSED, ROOT, ArgumentParser, ToolError, print_aligned, read_text, run, whole_number,
                           write_whole)
+from tools.measure.proof_functions import FUNCTIONS, problems, public_functions, write_functions
 
 ROOM = ROOT / "tests/proof"
 DRIVERS = ROOM / "drivers"
@@ -32,7 +34,7 @@ ALARMS = ROOM / "alarms.yaml"
 # Of the sources that the analyser reads in the place of the core's.
 INSTEAD = "tests/proof/c11"
 # Before the directory in which the analyser compiles.
-INCLUDES = (f"-iquote{INSTEAD}", "-Iinclude", "-I.")
+INCLUDES = (f"-iquote{INSTEAD}", "-Iinclude", "-I.", "-include", f"{INSTEAD}/atomics.h")
 # 32 bits as the cores have; each result of a function is followed by itself, a check's verdict with what it saw.
 # Loops over a table or its members are followed turn by turn.
 EVA = ("-c11", "-machdep", "gcc_x86_32", "-eva", "-eva-precision", "1", "-eva-auto-loop-unroll", "128",
@@ -41,10 +43,12 @@ EVA = ("-c11", "-machdep", "gcc_x86_32", "-eva", "-eva-precision", "1", "-eva-au
 # What is added to the name of a static function that several sources have, or of a copy in line.
 COPY = re.compile(r"(__fc_inline)?(_\d+)?$")
 OPTIONS = re.compile(r"^// eva: (.*)$", re.M)
+# What is added to the name of a parameter that several functions have.
+RENAMED = re.compile(r"\b([a-z]\w*?)_\d+\b")
 REACHED = re.compile(r"In th(?:is|ese) functions?, (\d+) statements reached \(out of (\d+)\)")
 ANALYSED = re.compile(r"computing for function (\w+) <-")
 UNKNOWN = re.compile(r"Neither code nor specification for function (\w+)")
-FUNCTIONS = re.compile(r"(\d+) functions? analyzed")
+COUNTED = re.compile(r"(\d+) functions? analyzed")
 END = "Frama_C_show_each_end"
 # Properties that are no alarms: what a declaration assumes of a library's function.
 ASSUMED = ("assigns clause", "from clause", "postcondition", "complete behaviors", "disjoint behaviors", "complete clause",
@@ -63,6 +67,7 @@ class Result:
     alarms: list  # [file, line, function, kind, property]
     seconds: float
     trouble: str
+    names: list  # of the functions that were analysed
 
 
 def driver_name(path):
@@ -138,14 +143,14 @@ def interpret(name, sources, options, kept, limit):
     after = os.times()
     seconds = round(after.children_user - before.children_user, 1)
     write_whole(log, ran.stdout + ran.stderr)
-    reached, functions = REACHED.search(ran.stdout), FUNCTIONS.search(ran.stdout)
+    reached, functions = REACHED.search(ran.stdout), COUNTED.search(ran.stdout)
     if ran.returncode != 0 or reached is None:
         too_long = ran.returncode in (-signal.SIGXCPU, -signal.SIGKILL)
         trouble = f"took more than {limit} s" if too_long else f"frama-c failed; see {log}"
-        return Result(name, 0, 0, 0, [], seconds, trouble)
-    trouble = trouble_of(ran.stdout)
-    return Result(name, int(functions[1]), int(reached[1]), int(reached[2]),
-                  read_alarms(report, {"main", *ANALYSED.findall(ran.stdout)}), seconds, trouble)
+        return Result(name, 0, 0, 0, [], seconds, trouble, [])
+    trouble, names = trouble_of(ran.stdout), sorted({"main", *ANALYSED.findall(ran.stdout)})
+    return Result(name, int(functions[1]), int(reached[1]), int(reached[2]), read_alarms(report, set(names)), seconds,
+                  trouble, names)
 
 
 def trouble_of(log):
@@ -160,7 +165,7 @@ def read_alarms(report, analysed):
     with open(report, encoding="utf-8") as file:
         rows = list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
     return sorted([f"{row['directory']}/{row['file']}", int(row["line"]), COPY.sub("", row["function"]),
-                   COPY.sub("", row["property kind"]), row["property"]]
+                   COPY.sub("", row["property kind"]), RENAMED.sub(r"\1", row["property"])]
                   for row in rows if row["function"] in analysed and is_alarm(row))
 
 
@@ -233,6 +238,7 @@ def arguments():
     parser.add_argument("--limit", metavar="S", type=whole_number(1, 100000), default=600, help="for a driver")
     parser.add_argument("--list", metavar="FILE", type=Path, default=ALARMS,
                         help="alarms that were reviewed (default: tests/proof/alarms.yaml)")
+    parser.add_argument("--record", action="store_true", help="write tests/proof/functions.yaml, when all drivers ran")
     parser.add_argument("--alarms", action="store_true", help="print all, also those that are listed")
     return parser.parse_args()
 
@@ -256,6 +262,10 @@ def main():
     alarms = distinct_alarms(results)
     found = counted(alarms)
     wrong = [*judge(found, listed, is_whole), *(f"{r.driver}: {r.trouble}" for r in results if r.trouble)]
+    public, reached = public_functions(options.libraries), {name for result in results for name in result.names}
+    if is_whole and options.record:
+        write_functions(public, reached, FUNCTIONS)
+    wrong += problems(public, reached, FUNCTIONS) if is_whole else []
     named = {line.partition(":")[0] for line in wrong}
     for file, line, function, kind, what in alarms:
         if options.alarms or f"{file} {function} {kind}" in named:
@@ -263,6 +273,7 @@ def main():
     for line in wrong:
         print(f"prove: {line}", file=sys.stderr)
     why = explained(found, listed)
+    print(f"{len(public.keys() & reached)} of {len(public)} public functions reached")
     print(f"{len(results)} drivers, {len(alarms)} alarms: {why} explained, {len(alarms) - why} open")
     return EXIT_MISSED if wrong else 0
 

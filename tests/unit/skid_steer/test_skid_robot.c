@@ -304,6 +304,21 @@ static void test_speeds_up_with_the_limit_or_as_asked(void)
     TEST_ASSERT_INT32_WITHIN(200, config.limits.turn_acceleration / 40, telemetry().reference.turn_rate);
 }
 
+/** A tick's share of the acceleration is rounded up. */
+static void test_a_tick_changes_the_speed_by_its_share(void)
+{
+    for (int32_t more = 0; more < 2; more++) {
+        set_up_rig();
+        config.limits.acceleration = 1000 * RATE + more;
+        init();
+        make_driving();
+        run(10);
+        const jp_q24 before = telemetry().reference.speed;
+        run(1);
+        TEST_ASSERT_EQUAL_INT32(1000 + more, telemetry().reference.speed - before);
+    }
+}
+
 static void test_a_command_replaces_the_one_before_it(void)
 {
     make_driving();

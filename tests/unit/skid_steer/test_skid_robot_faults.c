@@ -184,6 +184,31 @@ static void test_a_stalled_side_stops_both_at_once(void)
     TEST_ASSERT_EQUAL_INT32(0, robot.internal.control.sides[JP_SKID_RIGHT].reference);
 }
 
+/** Its left side takes nothing of what the ground takes, once it drives steadily with this turn rate. */
+static void lift_left_side(jp_q24 turn_rate)
+{
+    const struct jp_skid_command command = {.motion = {JP_Q24(0.4), turn_rate}, .duration = JP_Q16(8)};
+
+    make_standing();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_drive(&robot, &command));
+    run(2 * RATE);
+    false_current = config.wheels.friction - sensors.current_left;
+    for (uint32_t tick = 0; tick < 4U * RATE && robot.internal.state == JP_SKID_ROBOT_DRIVING; tick++) {
+        run(1);
+    }
+}
+
+/** In a turn the sides take what they take; straight on they take alike. */
+static void test_a_side_in_the_air_is_found_straight_on(void)
+{
+    lift_left_side(0);
+    expect_state(JP_SKID_ROBOT_FAULT);
+    TEST_ASSERT_EQUAL_HEX16(JP_FAULT_WHEEL_IN_AIR, faults());
+    set_up_rig();
+    lift_left_side(JP_Q24(0.05));
+    TEST_ASSERT_EQUAL_HEX16(0, faults() & JP_FAULT_WHEEL_IN_AIR);
+}
+
 static void test_the_slope_stops_it_and_keeps_it(void)
 {
     make_driving();

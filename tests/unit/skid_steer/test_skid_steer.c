@@ -100,6 +100,23 @@ static void test_wheel_speeds(void)
     TEST_ASSERT_INT32_WITHIN(2, JP_Q16(4.7058824), speeds.right);
 }
 
+static void test_wheel_speeds_are_the_nearest(void)
+{
+    const int64_t radius = zhang->wheel_radius;
+    struct jp_skid_steer_sides speeds;
+
+    for (int32_t i = 0; i < 200; i++) {
+        const struct jp_motion ahead = {JP_Q24(0.01) + 12345 * i, 0};
+        const struct jp_motion back = {-ahead.speed, 0};
+        const int64_t doubled = 2 * (int64_t)ahead.speed * JP_Q16_ONE;
+
+        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_skid_steer_wheel_speeds(zhang, &ahead, &speeds));
+        TEST_ASSERT_EQUAL_INT32((doubled + radius) / (2 * radius), speeds.left);
+        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_skid_steer_wheel_speeds(zhang, &back, &speeds));
+        TEST_ASSERT_EQUAL_INT32(-((doubled + radius) / (2 * radius)), speeds.right);
+    }
+}
+
 static void expect_torques(struct jp_motion driven, double grade, double left, double right)
 {
     struct jp_skid_steer_sides torques;
@@ -296,6 +313,19 @@ static void test_currents_and_powers_saturate(void)
     jp_q16 power = 0;
     TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, jp_skid_steer_power(&weak, JP_COST_PAPER, &driven, JP_Q24_ONE, &power));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, power);
+}
+
+/* What a current beyond its range does not show in the power is an overflow all the same. */
+static void test_currents_alone_saturate(void)
+{
+    struct jp_skid_steer_config weak = round_numbers;
+    weak.torque_per_ampere = JP_Q16(0.01);
+    weak.weight = JP_Q16(16384);
+    weak.resistance = 0;
+    const struct jp_motion driven = motion(0.01, 0);
+    jp_q16 power = 0;
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, jp_skid_steer_power(&weak, JP_COST_PAPER, &driven, JP_Q24_ONE, &power));
+    TEST_ASSERT_TRUE(power < INT32_MAX);
 }
 
 /* 16384 N · (0.5 + 1) · 8 m/s, at currents and forces within their range. */

@@ -1,8 +1,11 @@
 // eva: -eva-slevel-function main:30,jp_terrain_init:30
-/** Any map that fits a block, any cells on it and beside it, for ever. */
+/** Any map that fits a block, any cells on it and beside it, ground of any steepness blocked, for ever. */
 #include <joulepath/terrain.h>
 
 #include "tests/proof/any.h"
+
+#define SPANS 4U
+#define FAR   (1 << 30)
 
 static uint64_t block[512];
 static struct jp_terrain terrain;
@@ -27,6 +30,19 @@ static void look(int32_t x, int32_t y)
     (void)jp_terrain_height(&terrain, &point);
 }
 
+/** Rows in any order, each of any cells. */
+static void look_at_spans(void)
+{
+    static struct jp_span spans[SPANS];
+
+    ANY(spans);
+    for (unsigned i = 0; i < SPANS; i++) {
+        spans[i].first = (int8_t)any_between(INT8_MIN, INT8_MAX);
+        spans[i].last = (int8_t)any_between(spans[i].first, INT8_MAX);
+    }
+    (void)jp_terrain_is_clear(&terrain, spans, any_unsigned(SPANS), any_between(-FAR, FAR), any_between(-FAR, FAR));
+}
+
 int main(void)
 {
     struct jp_terrain_config config;
@@ -44,6 +60,8 @@ int main(void)
     {
         set(any_int(), any_int());
         look(any_int(), any_int());
+        look_at_spans();
+        (void)jp_terrain_block_steep(&terrain, any_int());
     }
     ARRIVED();
     return 0;
