@@ -105,7 +105,7 @@ struct jp_localiser_counts {
     uint32_t fits;     /**< scans that corrected the pose */
     uint32_t losses;   /**< times that it became lost */
     uint32_t searches; /**< of the map */
-    uint32_t nodes;    /**< work of searches: a closer look at a place counts as 60 */
+    uint32_t nodes;    /**< work of searches: a closer look at a place counts as 100 */
 };
 
 /** How the last scan agrees with the map at the pose, in numbers of its beams. */
@@ -224,7 +224,7 @@ enum jp_status jp_localiser_start(struct jp_localiser *localiser, const struct j
 enum jp_status jp_localiser_update(struct jp_localiser *localiser, const struct jp_localiser_input *input);
 
 /** Continues the search of a robot that is lost by the work of so many nodes, each of JP_LOCALISER_SEARCH_POINTS or
- * fewer readings of the field. A closer look, where a place may be, counts as 60 of them; the last one may go beyond.
+ * fewer readings of the field. A closer look, where a place may be, counts as 100 of them; the last one may go beyond.
  * True while there is more to do. */
 bool jp_localiser_work(struct jp_localiser *localiser, unsigned nodes);
 

@@ -26,7 +26,7 @@ extern "C" {
 
 /** Work of the mission in a call of jp_patrol_pilot_work(), and of the localiser's search, expansions and nodes. */
 #define JP_PATROL_PILOT_EXPANSIONS 200U
-#define JP_PATROL_PILOT_NODES      500U
+#define JP_PATROL_PILOT_NODES      700U
 
 /** Goals of a route. */
 #define JP_PATROL_PILOT_GOALS 32U
@@ -121,7 +121,7 @@ void jp_patrol_pilot_see(struct jp_patrol_pilot *pilot, const float *ranges,
 /** A slice of work: a cycle if it is due; else a part of the search for a robot that is lost, and while there is none,
  * of jp_patrol_mission_work(). Work: a cycle is jp_localiser_update() and jp_patrol_mission_cycle(), with at most 3
  * million instructions of its band; the worst slice on a Cortex-M7 over drives among people, round boxes that the map
- * does not show and lost took 2.5 million with a cycle and 2 million without. What is not bounded by that grows with
+ * does not show and lost took 2.5 million with a cycle and 2.3 million without. What is not bounded by that grows with
  * the path (its smoothing, and its forecast) and with the places at which there may be room to turn (patrol_mission.h).
  */
 void jp_patrol_pilot_work(struct jp_patrol_pilot *pilot);

@@ -27,7 +27,7 @@
 #define SCORE_MIN_NEAR 0.45f
 
 /* A closer look at where a place may be is the work of so many nodes. */
-#define CLOSER 60U
+#define CLOSER 100U
 
 /* Places nearer to each other than this, m and rad, are one; a smallest node nearer to one leads to it. */
 #define APART      0.5f
