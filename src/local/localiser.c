@@ -533,19 +533,29 @@ static void look_for_place(struct jp_localiser *localiser)
     }
 }
 
+static enum jp_localiser_reason reason_of(enum jp_localiser_finding finding)
+{
+    switch (finding) {
+    case JP_LOCALISER_NO_PLACE:
+        return JP_LOCALISER_NOWHERE;
+    case JP_LOCALISER_MANY_PLACES:
+        return JP_LOCALISER_AMBIGUOUS;
+    case JP_LOCALISER_ONE_PLACE:
+    default:
+        return JP_LOCALISER_SEARCHING; /* the next scan may confirm it */
+    }
+}
+
 /* Who has drifted goes on, with the place that was found where there is one. */
 static void end_search(struct jp_localiser *localiser)
 {
     struct jp_localiser_internal *const self = &localiser->internal;
     const enum jp_localiser_finding finding = jp_localiser_search_finding(&self->search);
-    const enum jp_localiser_reason reason = finding == JP_LOCALISER_NO_PLACE      ? JP_LOCALISER_NOWHERE
-                                            : finding == JP_LOCALISER_MANY_PLACES ? JP_LOCALISER_AMBIGUOUS
-                                                                                  : JP_LOCALISER_SEARCHING;
 
     self->has_place = finding == JP_LOCALISER_ONE_PLACE;
     self->has_searched = true;
     if (localiser->state == JP_LOCALISER_LOST) {
-        enter(localiser, self->has_drifted ? JP_LOCALISER_DEGRADED : JP_LOCALISER_LOST, reason);
+        enter(localiser, self->has_drifted ? JP_LOCALISER_DEGRADED : JP_LOCALISER_LOST, reason_of(finding));
     }
 }
 

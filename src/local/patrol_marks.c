@@ -65,15 +65,15 @@ static int32_t steps_of(float length)
 static void clear_along(const struct jp_terrain *given, struct jp_terrain *marked, const struct beam *beam,
                         float tolerance)
 {
-    const float step = 0.5f * jp_patrol_cell(given);
+    const float side = jp_patrol_cell(given);
     const float range = jp_plane_clamp(beam->range, 0.0f, reach_of(given));
-    const int32_t steps = steps_of((range - tolerance) / step);
+    const int32_t steps = steps_of((range - tolerance) / (0.5f * side));
 
     for (int32_t i = 0; i < steps; i++) {
         int32_t x;
         int32_t y;
 
-        find_cell(given, beam, step * (float)i, &x, &y);
+        find_cell(given, beam, 0.5f * side * (float)i, &x, &y);
         (void)jp_terrain_set_cell(marked, x, y, jp_terrain_cell(given, x, y));
     }
 }
