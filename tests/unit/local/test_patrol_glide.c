@@ -600,6 +600,20 @@ static void test_a_path_that_turns_back_is_not_glided_along(void)
     TEST_ASSERT_EQUAL_UINT32(0, patrol.counts.glides);
 }
 
+/* Between what a glide may begin with and where the wheels cannot follow. */
+static void test_a_glide_at_the_limit_of_its_wheels_goes_on(void)
+{
+    const struct jp_plane_point along = jp_plane_direction(100.0f * JP_PLANE_PI / 180.0f - 0.01f);
+
+    rig_go(2.0f * along.x, 2.0f * along.y);
+    rig_sense();
+    patrol.state = JP_PATROL_GLIDING;
+    patrol.internal.sideways = 0.3f;
+    jp_patrol_glide(&patrol);
+    rig_expect(JP_PATROL_GLIDING, JP_PATROL_NONE);
+    TEST_ASSERT_TRUE(patrol.internal.sideways > 0.0f);
+}
+
 static void test_clearance_of_what_moves(void)
 {
     const struct jp_plane_point centre = {0.0f, 0.0f};
