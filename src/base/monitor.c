@@ -156,10 +156,10 @@ static bool confirm(struct jp_monitor *monitor, uint16_t limit, bool is_held)
 {
     const bool is_suspected = monitor->suspected != 0U;
 
-    if (is_held && !is_suspected) {
-        return false;
+    if (is_suspected || !is_held) {
+        return jp_count_in_a_row(&monitor->implausible_ticks, is_suspected, limit);
     }
-    return jp_count_in_a_row(&monitor->implausible_ticks, is_suspected, limit);
+    return false;
 }
 
 uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_config *config, enum jp_status read,
