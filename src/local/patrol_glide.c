@@ -9,9 +9,7 @@
 /* The robot steers to what is this far ahead on its path, m. */
 #define AIM_DISTANCE 0.35f
 
-/* Of clearances between scans, m: a glide that has less than it should does not get nearer; the turn after a glide into
- * a goal keeps the latter. */
-#define NOISE         0.01f
+/* The turn after a glide into a goal keeps this, m. */
 #define CLEARANCE_MIN 0.03f
 
 /* Between the poses that are checked, m, and how far a glide is looked ahead at its beginning. */
@@ -175,7 +173,7 @@ static unsigned free_steps(const struct jp_patrol *patrol, struct glide glide, u
 static struct glide glide_from(const struct jp_patrol *patrol, const struct jp_plane_pose *pose)
 {
     const bool is_begun = patrol->state == JP_PATROL_GLIDING;
-    const float now = jp_patrol_clearance(patrol, &patrol->pose) - NOISE;
+    const float now = jp_patrol_clearance(patrol, &patrol->pose) - JP_PATROL_CLEARANCE_NOISE;
 
     return (struct glide){.pose = *pose,
                           .clearance =
@@ -219,7 +217,7 @@ static void begin(struct jp_patrol *patrol, const struct glide *glide, bool is_s
         return;
     }
     patrol->internal.glide_heading = glide->heading;
-    patrol->internal.glide_least = glide->clearance - NOISE;
+    patrol->internal.glide_least = glide->clearance - JP_PATROL_CLEARANCE_NOISE;
     patrol->internal.is_setting_off = is_standing;
     patrol->internal.step_target = (struct jp_plane_point){patrol->pose.x, patrol->pose.y};
     patrol->internal.is_gliding_to_goal = glide->is_to_goal;
@@ -368,7 +366,7 @@ bool jp_patrol_glide_in(struct jp_patrol *patrol, const struct jp_patrol_window 
     }
     const struct jp_plane_pose end = {patrol->internal.goal.pose.x, patrol->internal.goal.pose.y, glide.heading};
 
-    const float at_end = jp_patrol_clearance(patrol, &end) - NOISE;
+    const float at_end = jp_patrol_clearance(patrol, &end) - JP_PATROL_CLEARANCE_NOISE;
     float rest;
 
     glide.clearance = smaller(glide.clearance, at_end);
