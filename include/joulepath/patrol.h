@@ -179,7 +179,9 @@ struct jp_patrol_internal {
     bool is_arriving;        /**< at the goal: only the standstill and the turn are left */
     uint16_t waited;
     uint16_t free_cycles; /**< in a row with a free path while waiting */
-    uint8_t rooms;        /**< made since the robot last made progress */
+    bool is_making_room;  /**< it brakes to */
+    uint16_t room_next;   /**< path_next when it last did */
+    uint8_t rooms;        /**< made since it last left such a place behind */
     uint8_t tries;        /**< to drive on after waiting, since the robot last made progress */
     uint16_t jumps;       /**< of the laser's pose, in a row */
     float blind;          /**< distance since its last good one, m */

@@ -138,6 +138,7 @@ enum jp_status jp_patrol_follow(struct jp_patrol *patrol, const struct jp_point 
     patrol->internal.path = path;
     patrol->internal.path_count = count;
     patrol->internal.path_next = 0;
+    patrol->internal.room_next = 0;
     patrol->internal.goal = *goal;
     patrol->internal.is_arriving = false;
     patrol->internal.waited = 0;

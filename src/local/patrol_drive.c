@@ -237,6 +237,16 @@ static bool is_cornered(const struct jp_patrol *patrol)
            clearance_until_stop(patrol, &patrol->internal.command) < jp_plane_smaller(here, JP_PATROL_CLEARANCE);
 }
 
+/* Since it last made room. */
+static bool has_left_corner(const struct jp_patrol *patrol)
+{
+    const struct jp_patrol_internal *const internal = &patrol->internal;
+    const struct jp_plane_point from = jp_patrol_path_point(&internal->path[internal->room_next]);
+    const struct jp_plane_point to = jp_patrol_path_point(&internal->path[internal->path_next]);
+
+    return jp_plane_length(to.x - from.x, to.y - from.y) > patrol->config.teb.radius_min;
+}
+
 /* Where the band leads to. */
 static float band_heading(const struct jp_patrol *patrol)
 {
@@ -283,17 +293,20 @@ static void turn_first(struct jp_patrol *patrol, const struct jp_patrol_window *
     }
 }
 
-/* A band keeps more from things than a step needs: before a goal between things it may stand. */
+/* A band keeps more from things than a step needs: before a goal between things it may stand. One that stands near
+ * something turns, or steps to where it can. */
 static void wait_or_step(struct jp_patrol *patrol, const struct jp_patrol_window *window,
                          const struct jp_plane_speed *speed, enum jp_patrol_reason reason)
 {
-    const bool may_step =
-        reason == JP_PATROL_BLOCKED && window->is_goal && patrol->config.turns_in_place && jp_patrol_is_standing(speed);
+    const bool may_step = reason == JP_PATROL_BLOCKED && patrol->config.turns_in_place && jp_patrol_is_standing(speed);
+    const bool is_near = jp_patrol_clearance(patrol, &patrol->pose) < JP_PATROL_CLEARANCE;
 
-    if (may_step && step_to_goal(patrol, window)) {
+    if (may_step && window->is_goal && step_to_goal(patrol, window)) {
         /* Or turns before it. */
-    } else if (may_step && jp_patrol_find_last_step(patrol)) {
+    } else if (may_step && window->is_goal && jp_patrol_find_last_step(patrol)) {
         jp_patrol_begin_step(patrol);
+    } else if (may_step && is_near) {
+        jp_patrol_turn_to(patrol, window->direction);
     } else {
         jp_patrol_wait(patrol, reason);
     }
@@ -330,7 +343,7 @@ void jp_patrol_drive(struct jp_patrol *patrol, const struct jp_plane_speed *spee
     if (jp_patrol_advance(patrol)) {
         patrol->internal.unmoved = 0;
         patrol->internal.tries = 0;
-        patrol->internal.rooms = 0;
+        patrol->internal.rooms = has_left_corner(patrol) ? 0U : patrol->internal.rooms;
     }
     jp_patrol_look_ahead(patrol, patrol->config.horizon, &window);
     if (window.distance > patrol->config.horizon) {

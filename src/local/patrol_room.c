@@ -9,6 +9,9 @@
 #define SWEEP_STEP 0.09f
 #define WAY_STEP   0.05f
 
+/* Nearer than now by less is not nearer, m: rounding, as both are of one scan. */
+#define NEARER 0.001f
+
 /* Of the tolerance of scans: as a robot's file has that, four times the laser's noise, it is thrice the noise. */
 #define SAFE 0.75f
 
@@ -29,7 +32,7 @@ float jp_patrol_clearance(const struct jp_patrol *patrol, const struct jp_plane_
 
 float jp_patrol_least_clearance(const struct jp_patrol *patrol)
 {
-    const float now = jp_patrol_clearance(patrol, &patrol->pose) - JP_PATROL_CLEARANCE_NOISE;
+    const float now = jp_patrol_clearance(patrol, &patrol->pose) - NEARER;
 
     return jp_plane_clamp(now, 0.0f, SAFE * patrol->config.scan.tolerance);
 }

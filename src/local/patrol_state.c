@@ -12,6 +12,7 @@ void jp_patrol_enter(struct jp_patrol *patrol, enum jp_patrol_state state, enum 
 {
     patrol->state = state;
     patrol->reason = reason;
+    patrol->internal.is_making_room = false;
     switch (state) {
     case JP_PATROL_DRIVING:
         patrol->internal.sideways = 0.0f;
@@ -51,6 +52,7 @@ void jp_patrol_wait(struct jp_patrol *patrol, enum jp_patrol_reason reason)
 {
     if (patrol->state != JP_PATROL_WAITING) {
         jp_patrol_enter(patrol, JP_PATROL_WAITING, reason);
+        patrol->internal.rooms = 0;
     }
     patrol->reason = reason;
     patrol->internal.free_cycles = 0;

@@ -216,25 +216,36 @@ static bool turn_with(struct jp_patrol *patrol, float heading, float clearance)
     return false;
 }
 
+/* Once for the braking and what follows it. */
+static void count_room(struct jp_patrol *patrol)
+{
+    if (!patrol->internal.is_making_room) {
+        patrol->internal.is_making_room = true;
+        patrol->internal.rooms++;
+        patrol->internal.room_next = patrol->internal.path_next;
+    }
+}
+
 bool jp_patrol_make_room(struct jp_patrol *patrol, float heading, bool is_standing)
 {
+    const bool may = patrol->internal.is_making_room || patrol->internal.rooms < ROOMS_MAX;
     float angle;
     const bool turns = jp_patrol_find_turn(patrol, &patrol->pose, heading, JP_PATROL_CLEARANCE, &angle) &&
                        jp_plane_magnitude(angle) > JP_PATROL_ROUGHLY;
 
-    if (patrol->internal.rooms >= ROOMS_MAX || (!turns && !find_room(patrol, heading, JP_PATROL_CLEARANCE))) {
+    if (!may || (!turns && !find_room(patrol, heading, JP_PATROL_CLEARANCE))) {
         return false;
     }
     jp_patrol_stand(patrol);
-    if (is_standing) {
-        patrol->internal.rooms++;
-        if (turns) {
-            begin_turn(patrol, heading, angle);
-        } else {
-            jp_patrol_begin_step(patrol);
-            patrol->internal.turns_after_step = true;
-            patrol->internal.turn_target = heading;
-        }
+    count_room(patrol);
+    if (is_standing && turns) {
+        begin_turn(patrol, heading, angle);
+    } else if (is_standing) {
+        jp_patrol_begin_step(patrol);
+        patrol->internal.turns_after_step = true;
+        patrol->internal.turn_target = heading;
+    } else {
+        /* It brakes. */
     }
     return true;
 }

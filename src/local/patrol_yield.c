@@ -55,6 +55,9 @@
 /* Slower than this the robot stands, m/s. */
 #define STANDING 0.05f
 
+/* Cycles of braking that are asked of the wheels at once: more than they can. */
+#define BRAKED_PERIODS 2.0f
+
 /* m/s */
 #define UNLIMITED 1000.0f
 
@@ -489,6 +492,18 @@ static void slow_down(struct jp_patrol *patrol, float wanted, float speed)
     patrol->internal.sideways *= share;
 }
 
+/* While it drives what is asked is never 0, but less than wheels that brake as hard as they can reach: at 0 they would
+ * no longer be steered, and lead it on along the curve of that moment. */
+static float braked(const struct jp_patrol *patrol, const struct jp_plane_speed *speed, float now)
+{
+    const float forward = jp_plane_magnitude(speed->forward);
+    const float lost = forward > STANDING ? BRAKED_PERIODS * patrol->config.period *
+                                                jp_patrol_braking(&patrol->config, forward, speed->turn_rate) / forward
+                                          : 1.0f;
+
+    return now * jp_plane_larger(1.0f - lost, 0.0f);
+}
+
 /* Where the robot is once it has gone so far as it goes now, m. */
 static struct jp_plane_pose pose_after(const struct jp_patrol *patrol, float wanted, float way)
 {
@@ -559,7 +574,7 @@ void jp_patrol_yield(struct jp_patrol *patrol, const struct jp_plane_speed *spee
         const float safe = safe_speed(patrol, now);
 
         if (safe < wanted) {
-            slow_down(patrol, wanted, safe);
+            slow_down(patrol, wanted, jp_plane_larger(safe, braked(patrol, speed, now)));
             patrol->internal.is_yielding = sees_people(patrol);
             patrol->counts.yields += was_yielding || !patrol->internal.is_yielding ? 0U : 1U;
         }

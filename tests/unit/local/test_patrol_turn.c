@@ -326,7 +326,11 @@ static void test_robot_that_drives_brakes_before_it_makes_room(void)
     TEST_ASSERT_TRUE(jp_patrol_make_room(&patrol, 0.4f, false));
     rig_expect(JP_PATROL_DRIVING, JP_PATROL_NONE);
     TEST_ASSERT_NEAR(1e-6f, 0.0f, patrol.internal.command.forward);
-    TEST_ASSERT_EQUAL_UINT8(0, patrol.internal.rooms);
+    /* With what follows it is one. */
+    TEST_ASSERT_EQUAL_UINT8(1, patrol.internal.rooms);
+    TEST_ASSERT_TRUE(jp_patrol_make_room(&patrol, 0.4f, true));
+    rig_expect(JP_PATROL_TURNING, JP_PATROL_NONE);
+    TEST_ASSERT_EQUAL_UINT8(1, patrol.internal.rooms);
 }
 
 static void test_no_room_is_made_where_there_is_none(void)
