@@ -59,8 +59,9 @@ struct jp_patrol_pilot {
         struct jp_plane_pose goals[JP_PATROL_PILOT_GOALS];
         uint16_t goal_count;
         uint16_t goal_next;
-        bool is_planned; /* the leg was begun in the ledger */
-        bool is_ended;   /* it arrived; the stretch that ends it is still to come */
+        bool is_search_due; /* for its place, else the mission's work */
+        bool is_planned;    /* the leg was begun in the ledger */
+        bool is_ended;      /* it arrived; the stretch that ends it is still to come */
         struct jp_plane_pose survey_start;
         struct jp_patrol_leg_forecast survey;
         enum jp_status survey_status;

@@ -523,6 +523,15 @@ static bool search(struct jp_patrol_pilot *pilot)
     return pilot->localiser.counts.nodes != before;
 }
 
+/* In turns: a robot among places that are alike searches for as long as it drives. */
+static void work_between(struct jp_patrol_pilot *pilot)
+{
+    pilot->internal.is_search_due = !pilot->internal.is_search_due;
+    if (!pilot->internal.is_search_due || !search(pilot)) {
+        (void)jp_patrol_mission_work(&pilot->mission, JP_PATROL_PILOT_EXPANSIONS);
+    }
+}
+
 void jp_patrol_pilot_work(struct jp_patrol_pilot *pilot)
 {
     struct jp_four_wheel_telemetry telemetry;
@@ -544,10 +553,8 @@ void jp_patrol_pilot_work(struct jp_patrol_pilot *pilot)
     }
     if (is_due(pilot, &telemetry)) {
         cycle(pilot, &telemetry);
-    } else if (!search(pilot)) {
-        (void)jp_patrol_mission_work(&pilot->mission, JP_PATROL_PILOT_EXPANSIONS);
     } else {
-        /* While it is lost no way leads from where it believes to be. */
+        work_between(pilot);
     }
     note_plan(pilot);
     note_end(pilot);

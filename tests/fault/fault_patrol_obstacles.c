@@ -134,7 +134,7 @@ static void test_things_appear(void)
 static void test_more_things_than_fit(void)
 {
     what = "more obstacles than fit";
-    drive_calm(PATROL_PEDESTRIAN, SEED);
+    drive_calm(PATROL_BESIDE_OBSTACLE, SEED);
     scene.mover_count = 0;
     for (size_t cycle = 0; cycle < calm_count && scene.mover_count + 2 <= PATROL_OBSTACLES_MAX; cycle += 8) {
         if (calm[cycle].state == JP_PATROL_DRIVING) {

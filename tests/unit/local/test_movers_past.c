@@ -1,4 +1,6 @@
 /* Where nothing was a while ago, by what a synthetic scanner saw, and who is known to walk by it. */
+#include <math.h>
+
 #include "src/local/movers_past.h"
 
 #include "tests/support/movers_rig.h"
