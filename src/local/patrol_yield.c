@@ -492,16 +492,20 @@ static void slow_down(struct jp_patrol *patrol, float wanted, float speed)
     patrol->internal.sideways *= share;
 }
 
-/* While it drives what is asked is never 0, but less than wheels that brake as hard as they can reach: at 0 they would
- * no longer be steered, and lead it on along the curve of that moment. */
+/* In a glide what is asked is not 0 while it moves, but less than wheels that brake as hard as they can reach: at 0
+ * they would no longer be steered, and lead it off the glide along the curve of that moment, where nothing says that it
+ * is free. */
 static float braked(const struct jp_patrol *patrol, const struct jp_plane_speed *speed, float now)
 {
     const float forward = jp_plane_magnitude(speed->forward);
-    const float lost = forward > STANDING ? BRAKED_PERIODS * patrol->config.period *
-                                                jp_patrol_braking(&patrol->config, forward, speed->turn_rate) / forward
-                                          : 1.0f;
 
-    return now * jp_plane_larger(1.0f - lost, 0.0f);
+    if (patrol->state != JP_PATROL_GLIDING || forward <= STANDING) {
+        return 0.0f;
+    }
+
+    const float braking = jp_patrol_braking(&patrol->config, forward, speed->turn_rate);
+
+    return now * jp_plane_larger(1.0f - BRAKED_PERIODS * patrol->config.period * braking / forward, 0.0f);
 }
 
 /* Where the robot is once it has gone so far as it goes now, m. */
