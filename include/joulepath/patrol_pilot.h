@@ -119,11 +119,12 @@ void jp_patrol_pilot_stop(struct jp_patrol_pilot *pilot);
 void jp_patrol_pilot_see(struct jp_patrol_pilot *pilot, const float *ranges,
                          const struct jp_four_wheel_odometry *odometry);
 
-/** A slice of work: a cycle if it is due; else a part of the search for a robot that is lost, and while there is none,
- * of jp_patrol_mission_work(). Work: a cycle is jp_localiser_update() and jp_patrol_mission_cycle(), with at most 3
- * million instructions of its band; the worst slice on a Cortex-M7 over drives among people, round boxes that the map
- * does not show and lost took 2.5 million with a cycle and 2.3 million without. What is not bounded by that grows with
- * the path (its smoothing, and its forecast) and with the places at which there may be room to turn (patrol_mission.h).
+/** A slice of work: a cycle if it is due; else in turns a part of jp_patrol_mission_work() and, for a robot whose place
+ * is not known for sure, of the search for it. Work: a cycle is jp_localiser_update() and jp_patrol_mission_cycle(),
+ * with at most 3 million instructions of its band; the worst slice on a Cortex-M7 over drives among people, round boxes
+ * that the map does not show and lost took 2.5 million with a cycle and 2.3 million without. What is not bounded by
+ * that grows with the path (its smoothing, and its forecast) and with the places at which there may be room to turn
+ * (patrol_mission.h).
  */
 void jp_patrol_pilot_work(struct jp_patrol_pilot *pilot);
 

@@ -15,7 +15,7 @@
 float jp_patrol_clearance(const struct jp_patrol *patrol, const struct jp_plane_pose *pose);
 
 /** That a turn on the spot, a curve and the way to a stand keep, m: three quarters of the scans' tolerance, for what
- *  laser and pose may be off by; where it is nearer already, no nearer from cycle to cycle than scans differ. */
+ *  laser and pose may be off by; where it is nearer already, no nearer by the same scan. */
 float jp_patrol_least_clearance(const struct jp_patrol *patrol);
 
 /** The distance when the robot will be there, so much later, s: what moves goes on, and may be off by its margin. */
