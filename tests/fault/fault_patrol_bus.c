@@ -11,6 +11,7 @@
 #include "sim/four_wheel/four_wheel_file.h"
 #include "sim/scenes/patrol_scene.h"
 #include "tests/support/commands.h"
+#include "tests/support/frame_thief.h"
 #include "tests/support/patrol_room.h"
 #include "unity.h"
 
@@ -128,57 +129,10 @@ static void expect_failure(enum jp_navigation_failure failure)
     TEST_ASSERT_EQUAL_INT_MESSAGE(failure, commander.failure, jp_navigation_failure_text(commander.failure));
 }
 
-/* Of frames of this id the next ones that arrive at the ECU are lost. */
-static struct {
-    struct jp_can_link inner;
-    uint32_t id;
-    unsigned count;
-    unsigned every; /* of them one is lost; 0: all */
-    unsigned seen;
-} thief;
-
-static enum jp_status send_or_lose(void *context, const struct jp_can_frame *frame)
-{
-    (void)context;
-    if (frame->id == thief.id && thief.count > 0) {
-        thief.seen++;
-        if (thief.every == 0 || thief.seen % thief.every == 0) {
-            thief.count--;
-            return JP_OK;
-        }
-    }
-    return thief.inner.port.send(thief.inner.port.context, frame);
-}
-
-static bool receive(void *context, struct jp_can_frame *frame)
-{
-    (void)context;
-    return thief.inner.receive(thief.inner.port.context, frame);
-}
-
-static bool wait(void *context, int64_t timeout_us)
-{
-    (void)context;
-    return thief.inner.wait(thief.inner.port.context, timeout_us);
-}
-
-static enum jp_can_state state(void *context)
-{
-    (void)context;
-    return thief.inner.port.state(thief.inner.port.context);
-}
-
 static void steal(uint32_t id, unsigned count, unsigned every)
 {
-    thief.inner = drive.link;
-    thief.id = id;
-    thief.count = count;
-    thief.every = every;
-    thief.seen = 0;
-    drive.link.port.send = send_or_lose;
-    drive.link.port.state = state;
-    drive.link.receive = receive;
-    drive.link.wait = wait;
+    thief_enter(&drive.link);
+    thief_steal(id, count, every);
 }
 
 /* Over the bus. */

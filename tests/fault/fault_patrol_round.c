@@ -9,6 +9,7 @@
 #include "sim/bus/local_ecu.h"
 #include "sim/four_wheel/four_wheel_file.h"
 #include "sim/scenes/patrol_scene.h"
+#include "tests/support/frame_thief.h"
 #include "tests/support/map_frames.h"
 #include "tests/support/round_frames.h"
 #include "unity.h"
@@ -38,54 +39,6 @@ static struct jp_patrol_round_config config;
 static uint8_t bytes[JP_ROUND_BYTES_MAX];
 static struct jp_round_bytes round_bytes;
 
-/* Of frames of this id the next ones that arrive at the ECU are lost. */
-static struct {
-    struct jp_can_link inner;
-    uint32_t id;
-    unsigned count;
-    unsigned every; /* of them one is lost; 0: all */
-    unsigned seen;
-} thief;
-
-static enum jp_status send_or_lose(void *context, const struct jp_can_frame *frame)
-{
-    (void)context;
-    if (frame->id == thief.id && thief.count > 0) {
-        thief.seen++;
-        if (thief.every == 0 || thief.seen % thief.every == 0) {
-            thief.count--;
-            return JP_OK;
-        }
-    }
-    return thief.inner.port.send(thief.inner.port.context, frame);
-}
-
-static bool receive(void *context, struct jp_can_frame *frame)
-{
-    (void)context;
-    return thief.inner.receive(thief.inner.port.context, frame);
-}
-
-static bool wait(void *context, int64_t timeout_us)
-{
-    (void)context;
-    return thief.inner.wait(thief.inner.port.context, timeout_us);
-}
-
-static enum jp_can_state state(void *context)
-{
-    (void)context;
-    return thief.inner.port.state(thief.inner.port.context);
-}
-
-static void steal(uint32_t id, unsigned count, unsigned every)
-{
-    thief.id = id;
-    thief.count = count;
-    thief.every = every;
-    thief.seen = 0;
-}
-
 static void ask_for_round(void)
 {
     jp_round_encode(&config, bytes);
@@ -105,12 +58,7 @@ static void enter_scene(void)
     body.battery = &battery;
     body.is_world_moving = true;
     bus_drive_init_patrol(&drive, &body, &link);
-    thief.inner = link;
-    thief.count = 0;
-    drive.link.port.send = send_or_lose;
-    drive.link.port.state = state;
-    drive.link.receive = receive;
-    drive.link.wait = wait;
+    thief_enter(&drive.link);
     memset(&commander, 0, sizeof commander);
     drive.navigation = &commander;
 }
@@ -247,7 +195,7 @@ static void test_away_from_the_charger_it_counts_what_the_battery_holds(void)
 {
     ask_for_round();
     pass_until(JP_ROUND_TOLD_DWELLING);
-    steal(JP_CAN_BATTERY_CHARGE_FRAME_ID, UINT32_MAX, 0); /* there is none to be lost */
+    thief_steal(JP_CAN_BATTERY_CHARGE_FRAME_ID, UINT32_MAX, 0); /* there is none to be lost */
     pass(REPORT_TICKS);
     TEST_ASSERT_TRUE(battery.held_j < FULL - 300);
     TEST_ASSERT_TRUE(fabs(drive.view.round_battery.held / 16.0 - battery.held_j) < 20);
@@ -468,7 +416,7 @@ static void test_a_battery_that_does_not_suffice_is_named(void)
 
 static void test_without_word_of_the_battery_it_does_not_begin(void)
 {
-    steal(JP_CAN_BATTERY_CHARGE_FRAME_ID, UINT32_MAX, 0);
+    thief_steal(JP_CAN_BATTERY_CHARGE_FRAME_ID, UINT32_MAX, 0);
     ask_for_round();
     expect_failure(JP_NAVIGATION_NO_START);
     TEST_ASSERT_EQUAL_UINT8(JP_ROUND_REASON_NO_BATTERY, commander.round.reason);
@@ -485,7 +433,7 @@ static void test_without_word_of_the_battery_it_does_not_begin(void)
 
 static void test_frames_of_the_round_that_get_lost_are_sent_again(void)
 {
-    steal(JP_CAN_ROUND_DATA_FRAME_ID, 100, 5);
+    thief_steal(JP_CAN_ROUND_DATA_FRAME_ID, 100, 5);
     ask_for_round();
     pass_until(JP_ROUND_TOLD_SURVEYING);
     TEST_ASSERT_TRUE(thief.seen > JP_ROUND_FRAMES(1));
@@ -495,7 +443,7 @@ static void test_without_samples_it_brakes_with_a_fault(void)
 {
     ask_for_round();
     pass_until_it_rolls();
-    steal(JP_CAN_SUPPLY_SENSORS_FRAME_ID, 150, 0);
+    thief_steal(JP_CAN_SUPPLY_SENSORS_FRAME_ID, 150, 0);
     pass(120);
     TEST_ASSERT_TRUE(speed() < 0.01);
     TEST_ASSERT_EQUAL_UINT8(JP_ECU_FAULT, drive.view.status.state);
@@ -508,7 +456,7 @@ static void test_without_scans_it_stands_and_tries_to_get_home(void)
 {
     ask_for_round();
     pass_until_it_rolls();
-    steal(JP_CAN_SCAN_END_FRAME_ID, 600, 0);
+    thief_steal(JP_CAN_SCAN_END_FRAME_ID, 600, 0);
     pass(300);
     TEST_ASSERT_TRUE(speed() < 0.01);
     TEST_ASSERT_TRUE(drive.view.round.state < JP_ROUND_TOLD_FAILED);
