@@ -4,6 +4,7 @@
 #include <joulepath/localiser.h>
 
 #include "src/base/plane.h"
+#include "tests/bench/target_room.h"
 #include "tests/target/cycles.h"
 #include "tests/target/figure.h"
 #include "tests/target/random.h"
@@ -11,10 +12,8 @@
 #define CELL  0.05f /* m */
 #define RANGE 8.0f  /* m */
 
-enum { WIDTH = 200, HEIGHT = 160, BEAMS = 360, POSES = 40, SEARCHES = 8, NODES = 1000 };
+enum { BEAMS = 360, POSES = 40, SEARCHES = 8, NODES = 1000 };
 
-static struct jp_terrain map;
-static uint64_t map_block[WIDTH * HEIGHT / 8];
 static struct jp_localiser_config config;
 static struct jp_localiser localiser;
 static uint64_t block[(WIDTH * HEIGHT + HEIGHT + 8 * JP_LOCALISER_POINTS_MAX) / 8 + 2];
@@ -32,31 +31,6 @@ static float draw(void)
 
 /* ---- The room ---- */
 
-static void fill(int x0, int y0, int x1, int y1, enum jp_cell cell)
-{
-    for (int y = y0; y < y1; y++) {
-        for (int x = x0; x < x1; x++) {
-            (void)jp_terrain_set_cell(&map, x, y, cell);
-        }
-    }
-}
-
-/* Walls around it, a cupboard, columns, a wall with a door. */
-static enum jp_status make_room(void)
-{
-    const struct jp_terrain_config terrain = {.width = WIDTH, .height = HEIGHT, .resolution = JP_Q16(0.05)};
-    const char *field;
-    const enum jp_status made = jp_terrain_init(&map, &terrain, map_block, sizeof map_block, &field);
-
-    fill(0, 0, WIDTH, HEIGHT, JP_CELL_OCCUPIED);
-    fill(3, 3, WIDTH - 3, HEIGHT - 3, JP_CELL_FREE);
-    fill(140, 3, 165, 20, JP_CELL_OCCUPIED);
-    fill(40, 100, 48, 108, JP_CELL_OCCUPIED);
-    fill(70, 40, 78, 48, JP_CELL_OCCUPIED);
-    fill(118, 80, 122, HEIGHT - 3, JP_CELL_OCCUPIED);
-    return made;
-}
-
 static float ray(struct jp_plane_point along)
 {
     float way = 0.0f;
@@ -65,7 +39,7 @@ static float ray(struct jp_plane_point along)
         const int32_t x = (int32_t)((robot.x + way * along.x) * (1.0f / CELL));
         const int32_t y = (int32_t)((robot.y + way * along.y) * (1.0f / CELL));
 
-        if (jp_terrain_cell(&map, x, y) == JP_CELL_OCCUPIED) {
+        if (jp_terrain_cell(&target_map, x, y) == JP_CELL_OCCUPIED) {
             return way;
         }
         way += 0.4f * CELL;
@@ -106,7 +80,7 @@ static void draw_pose(void)
 {
     do {
         robot = (struct jp_plane_pose){5.0f + 4.5f * draw(), 4.0f + 3.5f * draw(), JP_PLANE_PI * draw()};
-    } while (jp_terrain_cell(&map, (int32_t)(robot.x / CELL), (int32_t)(robot.y / CELL)) == JP_CELL_OCCUPIED);
+    } while (jp_terrain_cell(&target_map, (int32_t)(robot.x / CELL), (int32_t)(robot.y / CELL)) == JP_CELL_OCCUPIED);
     take_scan();
 }
 
@@ -152,7 +126,7 @@ int main(void)
 {
     const char *field;
 
-    config = (struct jp_localiser_config){.map = &map,
+    config = (struct jp_localiser_config){.map = &target_map,
                                           .range_max = RANGE,
                                           .noise = 0.01f,
                                           .wheels = {0.1f, 0.1f, 0.02f},
@@ -160,7 +134,7 @@ int main(void)
                                           .start_turn = 0.05f,
                                           .lost_distance = 1.0f,
                                           .lost_turn = 0.4f};
-    status = make_room();
+    status = target_room_make(80);
     if (status != JP_OK || jp_localiser_init(&localiser, &config, block, sizeof block, &field) != JP_OK) {
         target_print("the room of the bench is no map\n");
         return 1;

@@ -4,6 +4,7 @@
 #include <joulepath/patrol_pilot.h>
 #include <joulepath/tables.h>
 
+#include "tests/bench/target_room.h"
 #include "tests/support/patrol_room.h"
 #include "tests/target/cycles.h"
 #include "tests/target/target.h"
@@ -14,20 +15,9 @@
 #define PERSON_RADIUS 0.25f  /* m */
 #define PERSON_SPEED  0.008f /* m in a tick */
 
-enum {
-    WIDTH = 200,
-    HEIGHT = 160,
-    BLOCK = 500 * 1024,
-    SCAN_TICKS = 10,
-    PEOPLE = 2,
-    GOALS = 3,
-    SETTLING_TICKS = 30,
-    TICKS = 2500
-};
+enum { BLOCK = 500 * 1024, SCAN_TICKS = 10, PEOPLE = 2, GOALS = 3, SETTLING_TICKS = 30, TICKS = 2500 };
 
-static uint64_t map_block[WIDTH * HEIGHT / 8];
 static uint64_t block[BLOCK / 8];
-static struct jp_terrain map;   /* as the robot knows it */
 static struct patrol_room room; /* of it the robot's pose and drives alone */
 static struct jp_four_wheel_robot robot;
 static struct jp_patrol_pilot pilot;
@@ -50,31 +40,6 @@ static struct slices between;
 
 /* ---- The room ---- */
 
-static void fill(int x0, int y0, int x1, int y1, enum jp_cell cell)
-{
-    for (int y = y0; y < y1; y++) {
-        for (int x = x0; x < x1; x++) {
-            (void)jp_terrain_set_cell(&map, x, y, cell);
-        }
-    }
-}
-
-/* Walls around it, a cupboard, columns, a wall with a door. */
-static enum jp_status make_map(void)
-{
-    const struct jp_terrain_config terrain = {.width = WIDTH, .height = HEIGHT, .resolution = JP_Q16(0.05)};
-    const char *field;
-    const enum jp_status made = jp_terrain_init(&map, &terrain, map_block, sizeof map_block, &field);
-
-    fill(0, 0, WIDTH, HEIGHT, JP_CELL_OCCUPIED);
-    fill(3, 3, WIDTH - 3, HEIGHT - 3, JP_CELL_FREE);
-    fill(140, 3, 165, 20, JP_CELL_OCCUPIED);
-    fill(40, 100, 48, 108, JP_CELL_OCCUPIED);
-    fill(70, 40, 78, 48, JP_CELL_OCCUPIED);
-    fill(118, 50, 122, HEIGHT - 3, JP_CELL_OCCUPIED);
-    return made;
-}
-
 /* Beside and in the way of where the map says that it leads. */
 static bool is_in_box(float x, float y)
 {
@@ -84,7 +49,8 @@ static bool is_in_box(float x, float y)
 
 static bool is_solid(float x, float y)
 {
-    return jp_terrain_cell(&map, (int32_t)(x * (1.0f / CELL)), (int32_t)(y * (1.0f / CELL))) == JP_CELL_OCCUPIED ||
+    return jp_terrain_cell(&target_map, (int32_t)(x * (1.0f / CELL)), (int32_t)(y * (1.0f / CELL))) ==
+               JP_CELL_OCCUPIED ||
            is_in_box(x, y);
 }
 
@@ -189,7 +155,7 @@ static bool start(const struct jp_plane_pose *at, const struct jp_plane_pose *be
     patrol_room_start(&room, at);
     is_ready = jp_four_wheel_robot_init(&robot, &jp_four_wheel_robot_patrol, &field) == JP_OK &&
                jp_patrol_pilot_init(&pilot, &config, &robot, &field) == JP_OK &&
-               jp_patrol_pilot_take_map(&pilot, &map, believed, block, sizeof block, &field) == JP_OK;
+               jp_patrol_pilot_take_map(&pilot, &target_map, believed, block, sizeof block, &field) == JP_OK;
     if (is_ready) {
         tick();
         is_ready = jp_four_wheel_robot_enable(&robot) == JP_OK;
@@ -236,7 +202,7 @@ static void print_figure(const char *name, const struct slices *slices)
 int main(void)
 {
     static const struct jp_plane_pose elsewhere = {5.0f, 5.0f, 1.0f};
-    bool is_done = make_map() == JP_OK && drive_round();
+    bool is_done = target_room_make(50) == JP_OK && drive_round();
 
     has_people = true;
     has_boxes = true;
