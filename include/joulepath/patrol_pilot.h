@@ -122,7 +122,7 @@ void jp_patrol_pilot_see(struct jp_patrol_pilot *pilot, const float *ranges,
 /** A slice of work: a cycle if it is due; else in turns a part of jp_patrol_mission_work() and, for a robot whose place
  * is not known for sure, of the search for it. Work: a cycle is jp_localiser_update() and jp_patrol_mission_cycle(),
  * with at most 3 million instructions of its band; the worst slice on a Cortex-M7 over drives among people, round boxes
- * that the map does not show and lost took 2.5 million with a cycle and 2.3 million without. What is not bounded by
+ * that the map does not show and lost took 2.6 million with a cycle and 2.0 million without. What is not bounded by
  * that grows with the path (its smoothing, and its forecast) and with the places at which there may be room to turn
  * (patrol_mission.h).
  */
