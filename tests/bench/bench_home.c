@@ -12,8 +12,8 @@
  * estimate has a deviation of 2 % of what it holds, and errs by it. At the border: it holds what by the return map,
  * before the robot leaves, brings it there and home with 95 %; it does not turn back. In use: it holds 0.5…1.5 times
  * the energy that the return map expects, evenly drawn; the robot turns back at 99.9 %. One that did drives the same
- * trip again without turning back: so it shows whether it would have made it. Trips to goals to which no way leads do
- * not count. */
+ * trip again without turning back: so it shows whether it would have made it. Trips to goals to which no way leads, or
+ * from which none leads home, are counted apart. */
 #include <joulepath/learner.h>
 #include <math.h>
 #include <stdlib.h>
@@ -39,9 +39,13 @@
 #define BORDER_QUANTILE   1.6448536
 #define CONFIDENCE        0.999
 
-enum { ROBOTS = 48, TRIPS = 4 };
+enum { ROBOTS_MAX = 320, TRIPS = 4 };
 
-static const char *const kinds[] = {"zhang2018", "courier24"};
+/* On hills one goal of four has a way. */
+static const struct kind {
+    const char *name;
+    size_t robots; /* at the border, and in use */
+} kinds[] = {{"zhang2018", ROBOTS_MAX}, {"courier24", 48}};
 
 /* A trip as it is drawn, before the robot leaves. */
 struct trip {
@@ -82,11 +86,13 @@ struct outcome {
     unsigned turned;
     unsigned needless;    /* turned back and would have made it */
     unsigned lost;        /* trips that failed otherwise */
+    unsigned without_way; /* there and home */
     double errors[TRIPS]; /* of what trips at the border took against the return map, share */
 };
 
 struct bench {
     struct navigate_robot robot;
+    size_t robots;
     struct outcome *outcomes;
 };
 
@@ -258,11 +264,12 @@ static void at_border(const struct bench *bench, uint64_t seed, const struct tri
     struct navigation_result result;
     struct drive drive;
 
-    if (!drive_fresh(&bench->robot, seed, trip, 0, knowledge, &result, &drive) || drive.expected <= 0) {
+    if (!drive_fresh(&bench->robot, seed, trip, 0, knowledge, &result, &drive)) {
         return;
     }
-    if (result.has_turned_back) {
-        return; /* No way leads there. */
+    if (drive.expected <= 0 || result.has_turned_back) {
+        outcome->without_way++;
+        return;
     }
     if (!has_come_home(&result) && !result.is_stranded) {
         outcome->lost++;
@@ -286,7 +293,11 @@ static void in_use(const struct bench *bench, uint64_t seed, const struct trip *
     struct navigation_result result;
     struct drive drive;
 
-    if (!drive_fresh(&bench->robot, seed, trip, CONFIDENCE, knowledge, &result, &drive) || drive.expected <= 0) {
+    if (!drive_fresh(&bench->robot, seed, trip, CONFIDENCE, knowledge, &result, &drive)) {
+        return;
+    }
+    if (drive.expected <= 0) {
+        outcome->without_way++;
         return;
     }
     if (!has_come_home(&result) && !result.is_stranded) {
@@ -310,8 +321,8 @@ static void in_use(const struct bench *bench, uint64_t seed, const struct trip *
 static void bench_robot(void *context, size_t index)
 {
     const struct bench *bench = context;
-    const bool is_in_use = index >= ROBOTS;
-    const uint64_t seed = is_in_use ? USE_SEED + index - ROBOTS : BORDER_SEED + index;
+    const bool is_in_use = index >= bench->robots;
+    const uint64_t seed = is_in_use ? USE_SEED + index - bench->robots : BORDER_SEED + index;
     struct knowledge known = {.is_there = false};
     struct trip trip = {.seed = 100 * seed};
     struct dense_map dense;
@@ -346,21 +357,23 @@ static void add(json_t *figures, const char *name, const char *what, double valu
     figures_add(figures, COMMAND, value, unit, bar, "home, %s: %s", name, what);
 }
 
-static void bench_kind(json_t *figures, const char *name)
+static void bench_kind(json_t *figures, const struct kind *kind)
 {
-    static struct outcome outcomes[2 * ROBOTS];
+    static struct outcome outcomes[2 * ROBOTS_MAX];
     static struct bench bench;
+    static double errors[ROBOTS_MAX * TRIPS];
+    const char *const name = kind->name;
     struct outcome sum = {0};
-    double errors[ROBOTS * TRIPS];
     size_t error_count = 0;
 
     memset(outcomes, 0, sizeof outcomes);
     bench.outcomes = outcomes;
+    bench.robots = kind->robots;
     if (!navigate_robot_load(&bench.robot, name)) {
         exit(ERROR_EXIT);
     }
-    in_parallel(name, bench_robot, &bench, 2 * ROBOTS);
-    for (size_t i = 0; i < 2 * ROBOTS; i++) {
+    in_parallel(name, bench_robot, &bench, 2 * kind->robots);
+    for (size_t i = 0; i < 2 * kind->robots; i++) {
         sum.trips += outcomes[i].trips;
         sum.border_trips += outcomes[i].border_trips;
         sum.border_returned += outcomes[i].border_returned;
@@ -370,6 +383,7 @@ static void bench_kind(json_t *figures, const char *name)
         sum.turned += outcomes[i].turned;
         sum.needless += outcomes[i].needless;
         sum.lost += outcomes[i].lost;
+        sum.without_way += outcomes[i].without_way;
         for (size_t j = 0; j < TRIPS; j++) {
             if (outcomes[i].errors[j] != 0) {
                 errors[error_count] = 100 * fabs(outcomes[i].errors[j]);
@@ -389,6 +403,7 @@ static void bench_kind(json_t *figures, const char *name)
     add(figures, name, "turned back", percent(sum.turned, sum.trips), "%", no_bar);
     add(figures, name, "turned back and would have made it", percent(sum.needless, sum.trips), "%", at_most(5));
     add(figures, name, "trips that ended elsewhere with energy left", sum.lost, "", no_bar);
+    add(figures, name, "trips drawn to goals without a way there and home", sum.without_way, "", no_bar);
 }
 
 /* All kinds, or the one that is named. */
@@ -397,8 +412,8 @@ int main(int argc, char **argv)
     json_t *figures = json_array();
 
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        if (argc < 2 || strcmp(argv[1], kinds[i]) == 0) {
-            bench_kind(figures, kinds[i]);
+        if (argc < 2 || strcmp(argv[1], kinds[i].name) == 0) {
+            bench_kind(figures, &kinds[i]);
         }
     }
     figures_print(figures);

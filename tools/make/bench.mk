@@ -99,7 +99,7 @@ bench-navigate: ## measure the navigator: 1 000 drives on dense maps with boxes 
 	$(if $(NAVIGATE_MAPS),$(PYTHON) -m tools.measure.bench_navigate $(NAVIGATE_MAPS))
 
 .PHONY: bench-home
-bench-home: ## measure robots that come home on what is in their battery: trips at the border of the return map, and in use (10 minutes)
+bench-home: ## measure robots that come home on what is in their battery: trips at the border of the return map, and in use (20 minutes)
 	@tools/setup.sh test
 	@$(MAKE) $(PARALLEL) $(BUILD)/bench/bench_home
 	$(BUILD)/bench/bench_home >$(BUILD)/bench/bench_home.json
