@@ -104,9 +104,8 @@ bool jp_ecu_battery_left(void *battery, struct jp_forecast *left)
 jp_q16 jp_ecu_battery_given(void *battery)
 {
     const struct jp_ecu_battery *const self = battery;
-    const uint64_t given = (uint64_t)(self->drawn - self->origin);
 
-    return (jp_q16)(uint32_t)(given >> (uint32_t)(16 + self->config.unit_exponent));
+    return jp_energy_to_wrapping_q16(self->drawn - self->origin, self->config.unit_exponent);
 }
 
 void jp_ecu_battery_tell(const struct jp_ecu_battery *battery, jp_energy *left, jp_energy *deviation)

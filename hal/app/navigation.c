@@ -85,6 +85,7 @@ static enum jp_status prepare_navigator(void *self, struct jp_terrain *map, cons
                                                   .way_size = config->way_size,
                                                   .seen = config->seen,
                                                   .seen_size = config->seen_size};
+    const struct jp_stand_energy stand = navigation->navigator.stand;
     const bool has_room = jp_navigator_way_size(&map->config) <= config->way_size &&
                           jp_navigator_seen_size(&map->config) <= config->seen_size;
     const char *field;
@@ -97,6 +98,7 @@ static enum jp_status prepare_navigator(void *self, struct jp_terrain *map, cons
         status = jp_navigator_init(&navigation->navigator, &navigator, origin, &field);
     }
     if (status == JP_OK) {
+        navigation->navigator.stand = stand;
         navigation->home_status = prepare_home(navigation, map, origin);
     }
     return status;
@@ -106,7 +108,7 @@ static void forget_navigator(void *self)
 {
     struct jp_navigation *navigation = self;
 
-    navigation->navigator = (struct jp_navigator){.state = JP_NAVIGATOR_IDLE};
+    navigation->navigator = (struct jp_navigator){.state = JP_NAVIGATOR_IDLE, .stand = navigation->navigator.stand};
     navigation->home_status = JP_ERR_STATE;
 }
 

@@ -61,6 +61,10 @@ void jp_meter_burn(struct jp_meter *meter, jp_q16 motor_resistance, jp_q16 share
  * and saturated; 0: in J. Constant time; any context. */
 jp_q16 jp_energy_to_q16(jp_energy energy, int32_t unit_exponent);
 
+/** The same without the digits that do not fit, which counts on where that overflows: differences hold. Constant time;
+ *  any context. */
+jp_q16 jp_energy_to_wrapping_q16(jp_energy energy, int32_t unit_exponent);
+
 /** The other way, exact. Constant time; any context. */
 jp_energy jp_energy_from_q16(jp_q16 energy, int32_t unit_exponent);
 

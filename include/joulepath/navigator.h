@@ -95,7 +95,7 @@ struct jp_place {
 struct jp_progress {
     jp_q16 length;             /**< m */
     jp_q16 duration;           /**< s, turns included */
-    struct jp_forecast energy; /**< J in the unit of the vehicle's model, with its deviation */
+    struct jp_forecast energy; /**< J in the unit of the vehicle's model, with its deviation, as drives have taken it */
 };
 
 /** Private: what is looked for. */
@@ -115,6 +115,22 @@ struct jp_navigator_survey {
     uint16_t count; /**< its legs */
     uint16_t done;
     bool has_begun;
+};
+
+/** What drives take beyond the forecasts of their first courses, by their stands: turns that are made again, waits,
+ * planning, ways round what the map did not show. J in the unit of the vehicle's model. */
+struct jp_stand_energy {
+    jp_q16 mean;      /**< of a stand */
+    jp_q16 deviation; /**< of a single one by itself */
+    uint16_t stands;  /**< that it is known by */
+    uint16_t drives;
+};
+
+/** Private: from its begin to the goal. */
+struct jp_navigator_drive {
+    jp_q16 forecast; /**< of its first course */
+    jp_q16 spent;    /**< before that */
+    uint16_t stands; /**< of that; 0: there was none yet */
 };
 
 /** Private. */
@@ -141,6 +157,7 @@ struct jp_navigator_internal {
     bool has_route;  /**< to the goal, of the planner, from where the robot is */
     jp_q16 duration; /**< of the course, s */
     struct jp_forecast energy;
+    struct jp_navigator_drive drive;
     uint8_t turns; /**< on the spot, of this state */
     bool was_told; /**< the vehicle was told to do what the state says */
 };
@@ -153,6 +170,8 @@ struct jp_navigator {
     enum jp_status status; /**< of the vehicle, where it is the reason */
     uint16_t replans;      /**< of this goal, saturating */
     uint8_t forgets;       /**< how often it has forgotten what it saw, wrapping: who sees for it tells all again */
+    /** Learned from each drive that arrives; the caller may write what was stored after jp_navigator_init(). */
+    struct jp_stand_energy stand;
     struct jp_navigator_internal internal;
 };
 

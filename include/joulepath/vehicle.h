@@ -27,6 +27,7 @@ struct jp_vehicle_view {
     enum jp_vehicle_phase phase;
     struct jp_point position;
     jp_angle heading;
+    jp_q16 spent; /**< since any moment, J in the unit of the vehicle's energy model, wrapping */
 };
 
 /** From a stand to a stand: a turn towards the first target, then along straight lines, but for the corners. */

@@ -77,6 +77,13 @@ jp_q16 jp_energy_to_q16(jp_energy energy, int32_t unit_exponent)
     return jp_round_shift(energy, (unsigned)bits);
 }
 
+jp_q16 jp_energy_to_wrapping_q16(jp_energy energy, int32_t unit_exponent)
+{
+    const int32_t bits = 16 + unit_exponent;
+
+    return (jp_q16)(uint32_t)((uint64_t)energy >> (unsigned)bits);
+}
+
 jp_energy jp_energy_from_q16(jp_q16 energy, int32_t unit_exponent)
 {
     const int32_t bits = 16 + unit_exponent;

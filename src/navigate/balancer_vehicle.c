@@ -52,6 +52,15 @@ static enum jp_vehicle_phase phase_of(const struct jp_balancer_vehicle *balancer
                                                                                                  : JP_VEHICLE_STANDING;
 }
 
+/** By the meter that the pilot learns from. */
+static jp_q16 spent(const struct jp_balancer_vehicle *balancer, const struct jp_telemetry *telemetry)
+{
+    const struct jp_pilot_config *config = &balancer->pilot->config;
+    const jp_energy energy = config->meter == JP_PILOT_BATTERY ? telemetry->energy_battery : telemetry->energy_model;
+
+    return jp_energy_to_wrapping_q16(energy, config->model->unit_exponent);
+}
+
 static void look(void *context, struct jp_vehicle_view *view)
 {
     const struct jp_balancer_vehicle *balancer = balancer_of(context);
@@ -62,6 +71,7 @@ static void look(void *context, struct jp_vehicle_view *view)
         view->phase = phase_of(balancer, &telemetry, waits);
         view->position = telemetry.position;
         view->heading = jp_phase_angle(telemetry.motion.yaw);
+        view->spent = spent(balancer, &telemetry);
     }
 }
 

@@ -6,6 +6,7 @@
 #include "src/base/integer.h"
 #include "src/learn/normal_quantile.h"
 #include "src/navigate/navigator_frame.h"
+#include "src/navigate/navigator_ledger.h"
 #include "src/navigate/navigator_survey.h"
 
 /** Steps on level ground; a way of more tells what others take. */
@@ -216,7 +217,7 @@ static void watch_drive(struct jp_home *home)
     struct jp_home_drive *drive = &home->internal.drive;
     struct jp_progress progress;
 
-    if (!drive->has_forecast && jp_navigator_progress(home->config.navigator, &progress) == JP_OK) {
+    if (!drive->has_forecast && jp_ledger_left(home->config.navigator, &progress)) {
         drive->forecast = progress.energy;
         drive->has_forecast = true;
     }

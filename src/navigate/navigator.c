@@ -5,6 +5,7 @@
 #include "src/base/integer.h"
 #include "src/base/point.h"
 #include "src/navigate/navigator_frame.h"
+#include "src/navigate/navigator_ledger.h"
 #include "src/navigate/navigator_route.h"
 #include "src/navigate/navigator_seen.h"
 #include "src/navigate/navigator_state.h"
@@ -61,12 +62,15 @@ static jp_angle heading_ahead(const struct jp_navigator *navigator, const struct
                : lattice->heading[jp_frame_nearest_heading(lattice, internal->goal.headings, place->heading)];
 }
 
-/** What a robot does that looks where it shall. */
-static enum jp_navigator_state after_turn(const struct jp_navigator *navigator)
+/** The robot looks where it shall. */
+static void end_turn(struct jp_navigator *navigator)
 {
-    const struct jp_navigator_internal *internal = &navigator->internal;
-
-    return internal->leg < internal->course.count ? JP_NAVIGATOR_DRIVING : JP_NAVIGATOR_ARRIVED;
+    if (navigator->internal.leg < navigator->internal.course.count) {
+        jp_navigator_enter(navigator, JP_NAVIGATOR_DRIVING, JP_NAVIGATOR_NO_REASON);
+    } else {
+        jp_ledger_end(navigator);
+        jp_navigator_enter(navigator, JP_NAVIGATOR_ARRIVED, JP_NAVIGATOR_NO_REASON);
+    }
 }
 
 static void face(struct jp_navigator *navigator, const struct jp_place *place, enum jp_vehicle_phase phase)
@@ -81,7 +85,7 @@ static void face(struct jp_navigator *navigator, const struct jp_place *place, e
     if (blocked_leg(navigator, place) < internal->course.count) {
         jp_navigator_plan_anew(navigator, JP_NAVIGATOR_BLOCKED);
     } else if (internal->turns == TURNS_MAX || jp_is_between((int32_t)(heading - place->heading), -FACING, FACING)) {
-        jp_navigator_enter(navigator, after_turn(navigator), JP_NAVIGATOR_NO_REASON);
+        end_turn(navigator);
     } else {
         internal->turns++;
         internal->has_moved = true;
@@ -318,6 +322,7 @@ enum jp_status jp_navigator_go(struct jp_navigator *navigator, const struct jp_g
         navigator->internal.goal = *goal;
         navigator->internal.field = NULL;
         navigator->internal.forgets = 0;
+        jp_ledger_begin(navigator);
         jp_navigator_enter(navigator, phase == JP_VEHICLE_STANDING ? JP_NAVIGATOR_PLANNING : JP_NAVIGATOR_BRAKING,
                            JP_NAVIGATOR_NO_REASON);
     }
@@ -344,47 +349,15 @@ struct jp_place jp_navigator_place(const struct jp_navigator *navigator)
     return jp_frame_place(navigator, &view);
 }
 
-static bool has_course(const struct jp_navigator *navigator)
-{
-    return navigator->state == JP_NAVIGATOR_TURNING || navigator->state == JP_NAVIGATOR_DRIVING;
-}
-
 const struct jp_course_leg *jp_navigator_legs(const struct jp_navigator *navigator, uint16_t *count)
 {
     const struct jp_navigator_internal *internal = &navigator->internal;
 
-    *count = has_course(navigator) ? (uint16_t)(internal->course.count - internal->leg) : 0U;
+    *count = jp_navigator_has_course(navigator) ? (uint16_t)(internal->course.count - internal->leg) : 0U;
     return &navigator->config.legs[internal->leg];
-}
-
-/** Of a quantity of the whole course, what belongs to the length that is left. */
-static jp_q16 share(jp_q16 whole, int64_t left, int64_t length)
-{
-    return length > 0 ? jp_saturate32((int64_t)whole * (left < length ? left : length) / length) : 0;
 }
 
 enum jp_status jp_navigator_progress(const struct jp_navigator *navigator, struct jp_progress *progress)
 {
-    const struct jp_navigator_internal *internal = &navigator->internal;
-    const struct jp_place place = jp_navigator_place(navigator);
-    int64_t whole = 0;
-    int64_t left = 0;
-
-    if (!has_course(navigator)) {
-        return JP_ERR_NO_PLAN;
-    }
-    for (uint16_t i = 0; i < internal->course.count; i++) {
-        const struct jp_point begin = jp_frame_leg_begin(navigator, i);
-        const struct jp_point *end = &navigator->config.legs[i].end;
-
-        whole += jp_distance(&begin, end);
-        if (i >= internal->leg) {
-            left += jp_distance(i == internal->leg ? &place.point : &begin, end);
-        }
-    }
-    *progress = (struct jp_progress){
-        .length = jp_saturate32(left),
-        .duration = share(internal->duration, left, whole),
-        .energy = {share(internal->energy.energy, left, whole), share(internal->energy.deviation, left, whole)}};
-    return JP_OK;
+    return jp_ledger_expected(navigator, progress) ? JP_OK : JP_ERR_NO_PLAN;
 }

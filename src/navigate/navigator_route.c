@@ -5,6 +5,7 @@
 #include "src/map/capsule.h"
 #include "src/navigate/navigator_frame.h"
 #include "src/navigate/navigator_goal.h"
+#include "src/navigate/navigator_ledger.h"
 #include "src/navigate/navigator_state.h"
 #include "src/navigate/navigator_survey.h"
 
@@ -322,6 +323,7 @@ static void survey(struct jp_navigator *navigator, const struct jp_place *place)
     }
     if (status == JP_OK) {
         navigator->internal.leg = 0;
+        jp_ledger_add_course(navigator);
         jp_navigator_enter(navigator, JP_NAVIGATOR_TURNING, navigator->reason);
     } else if (status == JP_ERR_BLOCKED) {
         fail_to_join(navigator, JP_NAVIGATOR_NO_ROOM);

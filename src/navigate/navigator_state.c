@@ -56,3 +56,8 @@ bool jp_navigator_has_map_changed(const struct jp_navigator *navigator)
 {
     return navigator->internal.map_seen != jp_planner_terrain(navigator->config.planner)->version;
 }
+
+bool jp_navigator_has_course(const struct jp_navigator *navigator)
+{
+    return navigator->state == JP_NAVIGATOR_TURNING || navigator->state == JP_NAVIGATOR_DRIVING;
+}

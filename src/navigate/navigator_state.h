@@ -27,4 +27,7 @@ void jp_navigator_see_map(struct jp_navigator *navigator);
 /** Since then. */
 bool jp_navigator_has_map_changed(const struct jp_navigator *navigator);
 
+/** It is on a course that was surveyed. */
+bool jp_navigator_has_course(const struct jp_navigator *navigator);
+
 #endif

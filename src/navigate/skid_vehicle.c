@@ -36,6 +36,7 @@ static void look(void *context, struct jp_vehicle_view *view)
         view->position.x = jp_saturate32(telemetry.x >> 16);
         view->position.y = jp_saturate32(telemetry.y >> 16);
         view->heading = jp_phase_angle(telemetry.heading);
+        view->spent = jp_energy_to_wrapping_q16(telemetry.energy, skid->pilot->config.model->unit_exponent);
     }
 }
 

@@ -48,6 +48,7 @@ struct fake_vehicle {
     const struct jp_ground *ground;      /* of the run that it drives */
     const struct jp_ground *turn_ground; /* on which it turned last */
     unsigned legs;                       /* of all runs surveyed to their ends */
+    jp_q16 takes;                        /* each of its slices, J */
 };
 
 static struct jp_terrain_config map;
@@ -111,6 +112,7 @@ static inline enum jp_status fake_work(void *context)
 {
     struct fake_vehicle *fake = context;
 
+    fake->view.spent = (jp_q16)((uint32_t)fake->view.spent + (uint32_t)fake->takes);
     if (fake->view.phase == JP_VEHICLE_OFF) {
         return fake->work_status;
     }

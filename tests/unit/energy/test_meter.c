@@ -228,6 +228,21 @@ static void test_energy_in_the_unit_of_a_model(void)
 }
 
 /* Every number of a unit comes back from joules. */
+/* As the other one where that does not overflow, but rounded down; differences hold everywhere. */
+static void test_energy_that_wraps(void)
+{
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(1.5), jp_energy_to_wrapping_q16(JOULE + JOULE / 2, 0));
+    TEST_ASSERT_EQUAL_INT32(-1, jp_energy_to_wrapping_q16(-1, 0));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(0.75), jp_energy_to_wrapping_q16(6 * JOULE, 3));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, jp_energy_to_wrapping_q16(32768 * JOULE, 0));
+    for (jp_energy energy = -70000 * JOULE; energy < 70000 * JOULE; energy += 1234 * JOULE + 567) {
+        const uint32_t before = (uint32_t)jp_energy_to_wrapping_q16(energy, 0);
+        const uint32_t after = (uint32_t)jp_energy_to_wrapping_q16(energy + 9 * JOULE, 0);
+
+        TEST_ASSERT_EQUAL_UINT32(JP_Q16(9), after - before);
+    }
+}
+
 static void test_energy_there_and_back(void)
 {
     static const jp_q16 numbers[] = {INT32_MIN, -1, 0, 1, 12345678, INT32_MAX};

@@ -184,6 +184,11 @@ static void test_a_run(void)
     TEST_ASSERT_EQUAL_INT32(telemetry().position.x, look().position.x);
     TEST_ASSERT_EQUAL_INT32(telemetry().position.y, look().position.y);
     TEST_ASSERT_EQUAL_UINT32(jp_phase_angle(telemetry().motion.yaw), look().heading);
+    TEST_ASSERT_EQUAL_INT32(jp_energy_to_wrapping_q16(telemetry().energy_model, pilot.config.model->unit_exponent),
+                            look().spent);
+    pilot.config.meter = JP_PILOT_BATTERY;
+    TEST_ASSERT_EQUAL_INT32(jp_energy_to_wrapping_q16(telemetry().energy_battery, pilot.config.model->unit_exponent),
+                            look().spent);
 }
 
 static void test_two_runs(void)

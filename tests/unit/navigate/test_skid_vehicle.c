@@ -128,6 +128,10 @@ static void test_turns_on_the_spot(void)
     TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.turn(vehicle.context, JP_ANGLE_DEGREES(-120), NULL));
     drive_to_the_end();
     TEST_ASSERT_INT32_WITHIN((int32_t)JP_ANGLE_DEGREES(1), 0, (int32_t)(view().heading - JP_ANGLE_DEGREES(-120)));
+    TEST_ASSERT_GREATER_THAN_INT32(0, view().spent);
+    TEST_ASSERT_EQUAL_INT32(
+        jp_energy_to_wrapping_q16(jp_skid_robot_meter(&robot)->battery, pilot.config.model->unit_exponent),
+        view().spent);
     TEST_ASSERT_EQUAL_UINT32(1, pilot.learner.state.version);
     TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.turn(vehicle.context, view().heading, NULL));
     TEST_ASSERT_EQUAL_INT(JP_OK, planned());
