@@ -176,8 +176,8 @@ static struct glide glide_from(const struct jp_patrol *patrol, const struct jp_p
     const float now = jp_patrol_clearance(patrol, &patrol->pose) - JP_PATROL_CLEARANCE_NOISE;
 
     return (struct glide){.pose = *pose,
-                          .clearance =
-                              is_begun ? patrol->internal.glide_least : smaller(patrol->config.glide_clearance, now),
+                          .clearance = is_begun ? patrol->internal.glide_least
+                                                : jp_plane_clamp(now, 0.0f, patrol->config.glide_clearance),
                           .next = patrol->internal.path_next,
                           .heading = patrol->internal.glide_heading,
                           .is_to_goal = patrol->internal.is_gliding_to_goal,

@@ -85,8 +85,29 @@ bool jp_patrol_find_turn(const struct jp_patrol *patrol, const struct jp_plane_p
     return jp_patrol_is_turn_free(patrol, from, longer, clearance);
 }
 
+static float distance_from(const struct jp_patrol *patrol, const struct jp_plane_pose *pose, uint8_t shape)
+{
+    return jp_obstacle_distance(&patrol->config.teb.footprint, pose, &patrol->obstacles.shapes[shape], NULL) +
+           0.5f * patrol->config.scan.tolerance;
+}
+
+/* From each thing the clearance, or no less than at another pose but for a slack: what is nearest there says nothing of
+ * the others. */
+static bool keeps_there(const struct jp_patrol *patrol, const struct jp_plane_pose *pose,
+                        const struct jp_plane_pose *from, float clearance, float slack)
+{
+    for (uint8_t i = 0; i < patrol->obstacles.count; i++) {
+        const float distance = distance_from(patrol, pose, i);
+
+        if (distance < clearance && distance < distance_from(patrol, from, i) - slack) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool keeps_clearance(const struct jp_patrol *patrol, const struct jp_plane_pose *from,
-                            const struct jp_plane_pose *step, float least)
+                            const struct jp_plane_pose *step, float clearance, float slack)
 {
     const unsigned parts = (unsigned)(jp_plane_length(step->x, step->y) / WAY_STEP) + 1U;
 
@@ -95,7 +116,7 @@ static bool keeps_clearance(const struct jp_patrol *patrol, const struct jp_plan
         const struct jp_plane_pose part = {share * step->x, share * step->y, 0.0f};
         const struct jp_plane_pose pose = jp_plane_compose(from, &part);
 
-        if (jp_patrol_clearance(patrol, &pose) < least) {
+        if (!keeps_there(patrol, &pose, from, clearance, slack)) {
             return false;
         }
     }
@@ -105,9 +126,7 @@ static bool keeps_clearance(const struct jp_patrol *patrol, const struct jp_plan
 bool jp_patrol_is_step_free_from(const struct jp_patrol *patrol, const struct jp_plane_pose *from,
                                  const struct jp_plane_pose *step, float clearance)
 {
-    const float now = jp_patrol_clearance(patrol, from) - JP_PATROL_CLEARANCE_NOISE;
-
-    return keeps_clearance(patrol, from, step, jp_plane_smaller(now, clearance));
+    return keeps_clearance(patrol, from, step, clearance, JP_PATROL_CLEARANCE_NOISE);
 }
 
 bool jp_patrol_is_step_free(const struct jp_patrol *patrol, const struct jp_plane_pose *step, float clearance)
@@ -164,11 +183,10 @@ static float search_price(const struct jp_patrol *patrol, const struct jp_patrol
 static bool is_step_good(const struct jp_patrol *patrol, const struct jp_patrol_step_search *search,
                          const struct jp_plane_pose *step)
 {
-    const float now = jp_patrol_clearance(patrol, &patrol->pose);
     const struct jp_plane_pose there = jp_plane_compose(&patrol->pose, step);
     float turn;
 
-    if (!keeps_clearance(patrol, &patrol->pose, step, jp_plane_smaller(now, search->clearance)) ||
+    if (!keeps_clearance(patrol, &patrol->pose, step, search->clearance, 0.0f) ||
         !jp_patrol_find_turn(patrol, &there, search->heading, search->clearance, &turn)) {
         return false;
     }

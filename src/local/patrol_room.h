@@ -29,8 +29,8 @@ bool jp_patrol_is_turn_free(const struct jp_patrol *patrol, const struct jp_plan
 bool jp_patrol_find_turn(const struct jp_patrol *patrol, const struct jp_plane_pose *from, float heading,
                          float clearance, float *angle);
 
-/** Whether the robot can step by `step`, in its own frame, with its heading as it is: it keeps the clearance, or where
- *  it has less now, does not get nearer. */
+/** Whether the robot can step by `step`, in its own frame, with its heading as it is: it keeps the clearance from each
+ *  thing, or where it has less now, does not get nearer to that. */
 bool jp_patrol_is_step_free(const struct jp_patrol *patrol, const struct jp_plane_pose *step, float clearance);
 
 /** The same from another pose. */

@@ -199,6 +199,22 @@ static bool find_step(float heading, struct jp_plane_point *target)
     return jp_patrol_find_step(&patrol, &search, target);
 }
 
+/* Somebody who stands against the robot hides no wall from it. */
+static void test_what_is_nearest_does_not_hide_the_rest(void)
+{
+    const struct jp_plane_pose ahead = {0.15f, 0.0f, 0.0f};
+    const struct jp_plane_pose back = {-0.15f, 0.0f, 0.0f};
+    const struct jp_plane_pose aside = {0.0f, 0.1f, 0.0f};
+
+    put_box(-0.1f, 0.25f, 0.1f, 0.35f);
+    TEST_ASSERT_TRUE(jp_patrol_clearance(&patrol, &here) < 0.0f);
+    TEST_ASSERT_TRUE(jp_patrol_is_step_free(&patrol, &ahead, 0.05f));
+    put_box(0.5f, -1.0f, 0.6f, 1.0f);
+    TEST_ASSERT_FALSE(jp_patrol_is_step_free(&patrol, &ahead, 0.05f));
+    TEST_ASSERT_TRUE(jp_patrol_is_step_free(&patrol, &back, 0.05f));
+    TEST_ASSERT_FALSE(jp_patrol_is_step_free(&patrol, &aside, 0.05f));
+}
+
 static void test_shortest_step_ahead_is_taken(void)
 {
     struct jp_plane_point target;
