@@ -2837,7 +2837,7 @@ struct jp_can_navigation_progress_t {
     uint16_t duration;
 
     /**
-     * As EnergySpent counts.
+     * As EnergySpent counts, with what drives have taken beyond their courses.
      *
      * Range: 0..262143 (0..32767.875 J)
      * Scale: 0.125

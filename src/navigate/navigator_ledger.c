@@ -6,11 +6,11 @@
 #include "src/navigate/navigator_state.h"
 
 /** What a stand takes is taken to be no better known than by so many stands and drives: robots and grounds change. */
-#define STANDS_MAX 64U
-#define DRIVES_MAX 15U
+#define STANDS_MAX 64
+#define DRIVES_MAX 15
 
 /** Of a course; one with more counts as one with so many. */
-#define COURSE_STANDS_MAX 255U
+#define COURSE_STANDS_MAX 255
 
 /** A new robot's stands take nothing more, give or take this part of its first course. */
 #define FIRST_PART 20
@@ -49,20 +49,20 @@ static jp_q16 share(jp_q16 whole, const struct lengths *lengths)
 
 static uint16_t stands_left(const struct jp_navigator *navigator)
 {
-    uint16_t stands = 0;
+    int32_t stands = 0;
 
     for (uint16_t i = navigator->internal.leg; i < navigator->internal.course.count; i++) {
-        stands = (uint16_t)(stands + (navigator->config.legs[i].is_stop && stands < COURSE_STANDS_MAX ? 1U : 0U));
+        stands += navigator->config.legs[i].is_stop ? 1 : 0;
     }
-    return stands;
+    return (uint16_t)jp_clamp32(stands, 0, COURSE_STANDS_MAX);
 }
 
 /* What stands take. */
 
 static void believe_first(struct jp_navigator *navigator)
 {
-    navigator->stand = (struct jp_stand_energy){
-        .deviation = navigator->internal.energy.energy / FIRST_PART, .stands = 1, .drives = 1};
+    navigator->stand =
+        (struct jp_stand_energy){.deviation = navigator->internal.energy.energy / FIRST_PART, .stands = 1, .drives = 1};
 }
 
 static jp_q16 root(uint64_t x)
@@ -86,8 +86,8 @@ static void learn(struct jp_stand_energy *stand, jp_q16 more, uint16_t stands)
 
     stand->mean = jp_add(stand->mean, innovation / (int32_t)(known + stands));
     stand->deviation = root(before - before / weight + of_one / weight);
-    stand->stands = (uint16_t)(known + stands < STANDS_MAX ? known + stands : STANDS_MAX);
-    stand->drives = (uint16_t)(stand->drives < DRIVES_MAX ? stand->drives + 1U : DRIVES_MAX);
+    stand->stands = (uint16_t)jp_clamp32((int32_t)(known + stands), 0, STANDS_MAX);
+    stand->drives = (uint16_t)jp_clamp32((int32_t)stand->drives + 1, 0, DRIVES_MAX);
 }
 
 /** Of so many stands together, whose mean is not known either. */

@@ -235,6 +235,22 @@ static void test_a_map_arrives(void)
     TEST_ASSERT_EQUAL_UINT8(0, ecu.operator_counts.sequence_errors);
 }
 
+/* What drives take is of the robot, not of a map. */
+static void test_what_it_has_learned_of_drives_stays_when_maps_change(void)
+{
+    const struct jp_stand_energy learned = {JP_Q16(12), JP_Q16(3), 40, 9};
+
+    make();
+    send_map();
+    TEST_ASSERT_EQUAL_UINT16(0, navigation.navigator.stand.stands);
+    navigation.navigator.stand = learned;
+    sent.id = 3;
+    send_map();
+    TEST_ASSERT_EQUAL_INT(JP_MAP_LINK_READY, navigation.maps.state);
+    TEST_ASSERT_EQUAL_UINT8(3, navigation.maps.id);
+    TEST_ASSERT_EQUAL_MEMORY(&learned, &navigation.navigator.stand, sizeof learned);
+}
+
 static void test_a_map_for_which_the_planner_has_no_room(void)
 {
     make();
