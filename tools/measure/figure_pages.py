@@ -61,6 +61,11 @@ SECTIONS = (
             "others, on another ground, and in a third of the trips of wheeled robots the ground changes on the way. At the "
             "border: the battery holds what there and home take with 95 % by the return map, and nobody turns back. In use: "
             "it holds 0.5 to 1.5 times what they are expected to take; the robot turns back at 99.9 %.", r"bench_home"),
+    Section("In another physics engine", "The robots rebuilt in MuJoCo from their files (`make sil WORLD=mujoco`), driven by the same "
+            "controllers over the same bus: reference missions, slopes of 10° for balancers and of the file for others, steps of "
+            "5 mm or as much of a smaller wheel, with the tyres of the file and hard ones, friction of 0.2, gears with 1° of play "
+            "and sensors 4 ms late, 20 % more payload, pushes; random routes and courses on which the forecast learns.",
+            r"bench_mujoco"),
     Section("Navigator of the firmware's image", "courier24 over the bus, which brings it map, goal and what its sensor sees, "
             "on random maps of 192 × 192 and 40 × 40 cells with boxes that they do not show, in process and with the image "
             "in QEMU; the application alone on the core, whose way is blocked again and again, an instruction taking 8 ns; "
