@@ -33,7 +33,7 @@ static inline double exact_above(double value, double limit)
     return value > limit ? value - limit : 0.0;
 }
 
-/** By Newton's method, for targets without a library of mathematics; 0 or more. It comes down to the root from above. */
+/** By Newton's method, from above, for targets without a library of mathematics; 0 or more. */
 static inline double exact_root(double square)
 {
     double root = square > 1.0 ? square : 1.0;
