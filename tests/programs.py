@@ -1,5 +1,5 @@
-"""The programs as processes, for tests/sil and tests/vcan: how they start and end, what they say, how a failure must
-look."""
+"""The programs as processes, for tests/sil, tests/vcan and tests/firmware: how they start and end, what they say, how a
+failure must look."""
 import contextlib
 import json
 import os
@@ -17,6 +17,14 @@ CANDUMP = "candump.log"
 LOG = "log_cruise.csv"
 
 LIMIT = 600  # s, for what takes seconds on an idle machine: something hangs
+
+
+def stay_on_one_cpu():
+    """Of this worker of pytest and all that it starts: programs that answer each other byte by byte would mostly wait for
+    the other's CPU to wake up."""
+    cpus = sorted(os.sched_getaffinity(0))
+    worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+    os.sched_setaffinity(0, {cpus[worker % len(cpus)]})
 
 
 def write_scenario(path, *waypoints, robot="gao2018"):

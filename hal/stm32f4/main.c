@@ -24,6 +24,9 @@
 /** The slow timer wakes the main loop and notices that no sample comes: so often in a tick. */
 #define SLOW_TIMER_SHARE 2U
 
+/** In lockstep no sample is late: it only wakes the main loop to feed the watchdog, after so many ticks. */
+#define LOCKSTEP_WAKE (JP_WATCHDOG_TICKS / 2U)
+
 /** Without a sample for so long the tick goes on without it, in half periods of the tick. */
 #define SAMPLE_LATE 3U
 
@@ -54,6 +57,12 @@ static volatile uint32_t sample_age;
 static bool has_simulated_body(void)
 {
     return devices.on_bus;
+}
+
+/** Body and time are simulated at the other end of the serial line. */
+static bool is_in_lockstep(void)
+{
+    return has_simulated_body() && !devices.has_can;
 }
 
 /* Interrupts. Control, CAN and the slow timer have one priority. */
@@ -142,7 +151,9 @@ static void tick_in_interrupt(struct jp_ecu *ecu)
 
 static void start_slow_timer(uint32_t core_hz)
 {
-    SYSTICK.RVR = core_hz / (SLOW_TIMER_SHARE * jp_firmware_tick_rate()) - 1U;
+    const uint32_t rate = jp_firmware_tick_rate();
+
+    SYSTICK.RVR = (is_in_lockstep() ? core_hz / rate * LOCKSTEP_WAKE : core_hz / (SLOW_TIMER_SHARE * rate)) - 1U;
     SYSTICK.CVR = 0;
     SYSTICK.CSR = SYSTICK_CLKSOURCE | SYSTICK_TICKINT | SYSTICK_ENABLE;
 }
@@ -241,7 +252,6 @@ static void sleep(void)
     jp_interrupts_on();
 }
 
-/** Body and time are simulated at the other end of the serial line. */
 static _Noreturn void run_lockstep(void)
 {
     struct jp_can_frame frame;
@@ -349,7 +359,7 @@ int main(void)
     }
     start_slow_timer(jp_clock_core_hz(devices.clock));
     start_interrupts();
-    if (has_simulated_body() && !devices.has_can) {
+    if (is_in_lockstep()) {
         run_lockstep();
     }
     jp_ecu_report_reset(&node.ecu, &reset_report);

@@ -35,8 +35,9 @@ static void read_inertial(const struct robot_file *robot, const struct plant *pl
     const struct plant_state *s = &plant->state;
     const struct plant_acceleration acceleration = plant_acceleration(plant, input);
     const double height = robot->accelerometer.height_m;
-    const double sine = strict_sin(s->pitch);
-    const double cosine = strict_cos(s->pitch);
+    const struct strict_turn turn = strict_sin_cos(s->pitch);
+    const double sine = turn.sine;
+    const double cosine = turn.cosine;
     const double forward = plant->constants.wheel_radius * acceleration.wheel;
     const double yaw_square = s->yaw_rate * s->yaw_rate;
     const double tangential = height * (acceleration.pitch - yaw_square * sine * cosine);

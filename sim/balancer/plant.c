@@ -76,8 +76,9 @@ static double current(const struct plant_constants *c, const struct plant_input 
 static inline struct derivative derivative(const struct plant_constants *c, const struct plant_state *s,
                                            const struct plant_input *input)
 {
-    const double sine = strict_sin(s->pitch);
-    const double cosine = strict_cos(s->pitch);
+    const struct strict_turn turn = strict_sin_cos(s->pitch);
+    const double sine = turn.sine;
+    const double cosine = turn.cosine;
 
     const double wheel_left = s->wheel_rate - c->half_track * s->yaw_rate;
     const double wheel_right = s->wheel_rate + c->half_track * s->yaw_rate;
@@ -143,9 +144,9 @@ static void move(struct plant *plant, const struct plant_state *before)
     const double distance = plant->constants.wheel_radius * (plant->state.wheel - before->wheel);
     const double turn = plant->state.yaw - before->yaw;
     const double chord = distance * (1.0 - square(turn) / 24.0);
-    const double heading = before->yaw + turn / 2.0;
-    plant->x += chord * strict_cos(heading);
-    plant->y += chord * strict_sin(heading);
+    const struct strict_turn heading = strict_sin_cos(before->yaw + turn / 2.0);
+    plant->x += chord * heading.cosine;
+    plant->y += chord * heading.sine;
 }
 
 /* Stops the robot at a pitch; the energy that this takes is the impact. */
@@ -253,13 +254,13 @@ double plant_mechanical_energy(const struct plant *plant)
 {
     const struct plant_constants *c = &plant->constants;
     const struct plant_state *s = &plant->state;
-    const double cosine = strict_cos(s->pitch);
-    const double yaw_inertia = c->yaw_inertia + c->swing_inertia * square(strict_sin(s->pitch));
+    const struct strict_turn turn = strict_sin_cos(s->pitch);
+    const double yaw_inertia = c->yaw_inertia + c->swing_inertia * square(turn.sine);
     const double kinetic = (c->wheel_inertia * square(s->wheel_rate) + c->pitch_inertia * square(s->pitch_rate) +
                             yaw_inertia * square(s->yaw_rate)) /
                                2.0 +
-                           (c->coupling * cosine - c->rotor_coupling) * s->wheel_rate * s->pitch_rate;
-    return kinetic + c->weight_moment * cosine;
+                           (c->coupling * turn.cosine - c->rotor_coupling) * s->wheel_rate * s->pitch_rate;
+    return kinetic + c->weight_moment * turn.cosine;
 }
 
 double plant_damping_rate(const struct plant_constants *c)

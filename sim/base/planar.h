@@ -37,11 +37,10 @@ static inline double planar_wrap(double angle)
 /** From the frame of `pose` to the one that `pose` is in. */
 static inline struct planar_point planar_place(const struct planar_pose *pose, struct planar_point point)
 {
-    const double cosine = strict_cos(pose->heading);
-    const double sine = strict_sin(pose->heading);
+    const struct strict_turn turn = strict_sin_cos(pose->heading);
 
-    return (struct planar_point){pose->x + cosine * point.x - sine * point.y,
-                                 pose->y + sine * point.x + cosine * point.y};
+    return (struct planar_point){pose->x + turn.cosine * point.x - turn.sine * point.y,
+                                 pose->y + turn.sine * point.x + turn.cosine * point.y};
 }
 
 /** `motion`, in the frame of `pose`, done from there. */
@@ -65,12 +64,11 @@ static inline struct planar_pose planar_bend(const struct planar_pose *pose, con
 /** The motion from `start` to `end`, in the frame of `start`. */
 static inline struct planar_pose planar_between(const struct planar_pose *start, const struct planar_pose *end)
 {
-    const double cosine = strict_cos(start->heading);
-    const double sine = strict_sin(start->heading);
+    const struct strict_turn turn = strict_sin_cos(start->heading);
     const double dx = end->x - start->x;
     const double dy = end->y - start->y;
 
-    return (struct planar_pose){cosine * dx + sine * dy, cosine * dy - sine * dx,
+    return (struct planar_pose){turn.cosine * dx + turn.sine * dy, turn.cosine * dy - turn.sine * dx,
                                 planar_wrap(end->heading - start->heading)};
 }
 

@@ -6,7 +6,7 @@
 
 #define BAR_WIDTH 40
 
-/** What stands on the terminal, so that it is drawn only when it changes. */
+/** What was shown last, so that a terminal is asked for and drawn on only when it changes. */
 static size_t shown = SIZE_MAX;
 
 void progress_show(const char *what, size_t done, size_t total)
@@ -15,11 +15,13 @@ void progress_show(const char *what, size_t done, size_t total)
     size_t percent = done * 100 / total;
     int filled = (int)(percent * BAR_WIDTH / 100);
 
-    if (percent == shown || isatty(STDERR_FILENO) == 0) {
+    if (percent == shown) {
         return;
     }
     shown = percent;
-    (void)fprintf(stderr, "\r%-24s [%-*.*s] %3zu %%", what, BAR_WIDTH, filled, bar, percent);
+    if (isatty(STDERR_FILENO) != 0) {
+        (void)fprintf(stderr, "\r%-24s [%-*.*s] %3zu %%", what, BAR_WIDTH, filled, bar, percent);
+    }
 }
 
 void progress_end(void)

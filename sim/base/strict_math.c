@@ -4,6 +4,7 @@
 #include "sim/base/strict_math.h"
 
 #include <float.h>
+#include <limits.h>
 #include <stddef.h>
 
 _Static_assert(FLT_EVAL_METHOD == 0, "double must be rounded after each operation: on x86 compile with -mfpmath=sse");
@@ -45,6 +46,12 @@ static struct pair sum_of(double a, double b)
 
 /* ---- Angles ---- */
 
+/* Which of four a multiple is. */
+static unsigned quarter_of(double count)
+{
+    return (unsigned)(int)(fabs(count) < INT_MAX ? count : fmod(count, 4)) % 4;
+}
+
 /* x less the nearest multiple of π/2, and which that is of four. */
 static struct pair within_eighth(double x, unsigned *quarter)
 {
@@ -54,7 +61,7 @@ static struct pair within_eighth(double x, unsigned *quarter)
     const double high = first - second;
     const double rest = (first - high) - second;
 
-    *quarter = (unsigned)(int)fmod(count, 4) % 4;
+    *quarter = quarter_of(count);
     return sum_of(high, rest - count * HALF_PI_3);
 }
 
@@ -104,9 +111,28 @@ double strict_cos(double x)
     return sine_after(x, 1);
 }
 
+struct strict_turn strict_sin_cos(double x)
+{
+    unsigned quarter;
+
+    if (!isfinite(x)) {
+        return (struct strict_turn){NAN, NAN};
+    }
+    const struct pair angle = within_eighth(x, &quarter);
+    const double size[] = {sine_of(angle), cosine_of(angle)};
+    static const double signs[] = {1, 1, -1, -1};
+
+    return (struct strict_turn){
+        .sine = x == 0 ? x : signs[quarter] * size[quarter % 2],
+        .cosine = signs[(quarter + 1) % 4] * size[(quarter + 1) % 2],
+    };
+}
+
 double strict_tan(double x)
 {
-    return strict_sin(x) / strict_cos(x);
+    const struct strict_turn turn = strict_sin_cos(x);
+
+    return turn.sine / turn.cosine;
 }
 
 /* ---- Their inverses ---- */

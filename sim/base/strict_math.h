@@ -16,6 +16,14 @@ double strict_sin(double x);
 /** As strict_sin: 1. */
 double strict_cos(double x);
 
+struct strict_turn {
+    double sine;
+    double cosine;
+};
+
+/** The bits of both strict_sin and strict_cos, for little more than the time of one. */
+struct strict_turn strict_sin_cos(double x);
+
 /** As strict_sin: 3. */
 double strict_tan(double x);
 

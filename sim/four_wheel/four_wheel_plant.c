@@ -114,8 +114,9 @@ static struct contact wheel_derivative(const struct four_wheel_file *robot, cons
     struct four_wheel_contact *change = &rate->state.wheels[index];
     const struct planar_point place = place_of(robot, index);
     const double radius = robot->wheel.radius_m;
-    const double cosine = strict_cos(wheel->angle);
-    const double sine = strict_sin(wheel->angle);
+    const struct strict_turn turn = strict_sin_cos(wheel->angle);
+    const double cosine = turn.cosine;
+    const double sine = turn.sine;
 
     const double x_rate = state->forward - state->turn_rate * place.y;
     const double y_rate = state->left + state->turn_rate * place.x;
@@ -156,7 +157,8 @@ static struct contact wheel_derivative(const struct four_wheel_file *robot, cons
 static struct motion derivative(const struct four_wheel_file *robot, const struct four_wheel_state *state,
                                 const struct wheel_input inputs[JP_WHEELS])
 {
-    const struct planar_point ahead = {strict_cos(state->pose.heading), strict_sin(state->pose.heading)};
+    const struct strict_turn turn = strict_sin_cos(state->pose.heading);
+    const struct planar_point ahead = {turn.cosine, turn.sine};
     struct motion rate = {0};
     struct planar_point force = {0, 0};
     double moment = 0;
@@ -249,9 +251,10 @@ static double slip_of(const struct four_wheel_plant *plant, int wheel)
     const struct four_wheel_contact *contact = &state->wheels[wheel];
     const struct planar_point place = place_of(plant->robot, wheel);
     const double tread = plant->robot->wheel.radius_m * contact->rate;
+    const struct strict_turn turn = strict_sin_cos(contact->angle);
 
-    return strict_hypot(state->forward - state->turn_rate * place.y - tread * strict_cos(contact->angle),
-                        state->left + state->turn_rate * place.x - tread * strict_sin(contact->angle));
+    return strict_hypot(state->forward - state->turn_rate * place.y - tread * turn.cosine,
+                        state->left + state->turn_rate * place.x - tread * turn.sine);
 }
 
 static double counts_of(double turns, int counts_per_turn)

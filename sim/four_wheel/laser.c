@@ -22,7 +22,8 @@ struct laser_config laser_config_of(int beams, double field, double range_max, d
 
 static struct ray ray_of(struct planar_point from, double bearing)
 {
-    const struct planar_point along = {strict_cos(bearing), strict_sin(bearing)};
+    const struct strict_turn turn = strict_sin_cos(bearing);
+    const struct planar_point along = {turn.cosine, turn.sine};
 
     return (struct ray){from, along, {1 / along.x, 1 / along.y}};
 }
@@ -100,8 +101,9 @@ static void cut(double place, double along, double half, double *enters, double 
 
 static double box_distance(const struct planar_shape *box, const struct ray *ray)
 {
-    const double cosine = strict_cos(box->pose.heading);
-    const double sine = strict_sin(box->pose.heading);
+    const struct strict_turn turn = strict_sin_cos(box->pose.heading);
+    const double cosine = turn.cosine;
+    const double sine = turn.sine;
     const double dx = ray->from.x - box->pose.x;
     const double dy = ray->from.y - box->pose.y;
     double enters = -INFINITY;

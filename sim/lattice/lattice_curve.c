@@ -23,9 +23,9 @@ static void advance(const struct lattice_curve *curve, double s, double step, st
     static const double weights[] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
 
     for (int i = 0; i < 3; i++) {
-        const double heading = heading_at(curve, s + step * (1 + points[i]) / 2);
-        pose->x += weights[i] * step * strict_cos(heading);
-        pose->y += weights[i] * step * strict_sin(heading);
+        const struct strict_turn turn = strict_sin_cos(heading_at(curve, s + step * (1 + points[i]) / 2));
+        pose->x += weights[i] * step * turn.cosine;
+        pose->y += weights[i] * step * turn.sine;
     }
     pose->heading = heading_at(curve, s + step);
 }

@@ -82,10 +82,11 @@ bool lattice_sweep(const struct lattice_path *path, const struct lattice_footpri
 
     for (size_t i = 0; i < path->count; i++) {
         const struct lattice_pose *pose = &path->poses[i];
+        const struct strict_turn turn = strict_sin_cos(pose->heading);
         const struct prism robot = {.x = pose->x,
                                     .y = pose->y,
-                                    .cosine = strict_cos(pose->heading),
-                                    .sine = strict_sin(pose->heading),
+                                    .cosine = turn.cosine,
+                                    .sine = turn.sine,
                                     .half_length = footprint->length / 2 + margin,
                                     .half_width = footprint->width / 2 + margin,
                                     .half_height = ROBOT_HALF_HEIGHT,

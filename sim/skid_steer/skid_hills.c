@@ -11,8 +11,9 @@ struct skid_ground_point skid_on_hills(const void *context, double x, double y)
 
     for (int i = 0; i < SKID_HILLS; i++) {
         const double phase = hills->along_x[i] * x + hills->along_y[i] * y;
-        const double rise = hills->height[i] * strict_cos(phase);
-        point.elevation += hills->height[i] * strict_sin(phase);
+        const struct strict_turn turn = strict_sin_cos(phase);
+        const double rise = hills->height[i] * turn.cosine;
+        point.elevation += hills->height[i] * turn.sine;
         point.slope_x += rise * hills->along_x[i];
         point.slope_y += rise * hills->along_y[i];
     }

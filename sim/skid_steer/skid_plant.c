@@ -169,19 +169,18 @@ static struct footing footing_at(const struct skid_plant *plant, const struct sk
     if (plant->ground.at == NULL) {
         return (struct footing){.lie = {0, 0, 1, 1}};
     }
-    const double cosine = strict_cos(state->heading);
-    const double sine = strict_sin(state->heading);
+    const struct strict_turn turn = strict_sin_cos(state->heading);
     struct footing footing = {.elevation = 0};
     double moments[3] = {0};
 
     for (int i = 0; i < plant->contact_count; i++) {
         const struct skid_contact *contact = &plant->contacts[i];
-        const double x = cosine * contact->place.x - sine * contact->place.y;
-        const double y = sine * contact->place.x + cosine * contact->place.y;
+        const double x = turn.cosine * contact->place.x - turn.sine * contact->place.y;
+        const double y = turn.sine * contact->place.x + turn.cosine * contact->place.y;
         const struct skid_ground_point point = plant->ground.at(plant->ground.context, state->x + x, state->y + y);
         footing.elevation += contact->static_share * point.elevation;
-        footing.slope_ahead += contact->static_share * (cosine * point.slope_x + sine * point.slope_y);
-        footing.slope_left += contact->static_share * (cosine * point.slope_y - sine * point.slope_x);
+        footing.slope_ahead += contact->static_share * (turn.cosine * point.slope_x + turn.sine * point.slope_y);
+        footing.slope_left += contact->static_share * (turn.cosine * point.slope_y - turn.sine * point.slope_x);
         footing.slope_turn += contact->static_share * (x * point.slope_y - y * point.slope_x);
         moments[0] += point.elevation;
         moments[1] += contact->place.x * point.elevation;
@@ -360,13 +359,12 @@ static struct supply supply_of(const struct cell_source *source, double power)
 
 static void set_pose_rates(const struct lie *lie, const struct skid_state *state, struct skid_state *rate)
 {
-    const double cosine = strict_cos(state->heading);
-    const double sine = strict_sin(state->heading);
+    const struct strict_turn turn = strict_sin_cos(state->heading);
 
     const double ahead = (state->forward - state->left * lie->ahead * lie->across / lie->normal) / lie->along;
     const double left = state->left * lie->along / lie->normal;
-    rate->x = cosine * ahead - sine * left;
-    rate->y = sine * ahead + cosine * left;
+    rate->x = turn.cosine * ahead - turn.sine * left;
+    rate->y = turn.sine * ahead + turn.cosine * left;
     rate->heading = state->turn_rate * square(lie->along) / lie->normal;
 }
 
@@ -438,14 +436,12 @@ static void advance(const struct skid_plant *plant, const union numbers *start, 
     }
 }
 
-static void set_normal(const struct skid_state *state, struct skid_attitude *seen)
+static void set_normal(struct strict_turn turn, struct skid_attitude *seen)
 {
     const struct lie lie = lie_of(seen->rise_ahead, seen->rise_across);
-    const double cosine = strict_cos(state->heading);
-    const double sine = strict_sin(state->heading);
 
-    seen->normal[0] = -(cosine * lie.ahead - sine * lie.across) / lie.normal;
-    seen->normal[1] = -(sine * lie.ahead + cosine * lie.across) / lie.normal;
+    seen->normal[0] = -(turn.cosine * lie.ahead - turn.sine * lie.across) / lie.normal;
+    seen->normal[1] = -(turn.sine * lie.ahead + turn.cosine * lie.across) / lie.normal;
     seen->normal[2] = 1 / lie.normal;
 }
 
@@ -455,13 +451,12 @@ static double dot(const double a[3], const double b[3])
 }
 
 /* The body turns with its normal: n × ṅ, about its axes along the heading and to the left of it. */
-static void set_tilt_rates(const struct skid_attitude *before, const struct skid_state *state, double h,
+static void set_tilt_rates(const struct skid_attitude *before, struct strict_turn turn, double h,
                            struct skid_attitude *seen)
 {
     const struct lie lie = lie_of(seen->rise_ahead, seen->rise_across);
     const double *n = seen->normal;
-    const double ahead[3] = {strict_cos(state->heading) / lie.along, strict_sin(state->heading) / lie.along,
-                             lie.ahead / lie.along};
+    const double ahead[3] = {turn.cosine / lie.along, turn.sine / lie.along, lie.ahead / lie.along};
     const double left[3] = {n[1] * ahead[2] - n[2] * ahead[1], n[2] * ahead[0] - n[0] * ahead[2],
                             n[0] * ahead[1] - n[1] * ahead[0]};
     const double change[3] = {(n[0] - before->normal[0]) / h, (n[1] - before->normal[1]) / h,
@@ -515,8 +510,9 @@ static void integrate(struct skid_plant *plant, const struct skid_input *input, 
     advance(plant, &at, &k3, h / 3, &at);
     advance(plant, &at, &k4, h / 6, &at);
     plant->state = at.state;
-    set_normal(&plant->state, &seen);
-    set_tilt_rates(&plant->attitude, &plant->state, h, &seen);
+    const struct strict_turn turn = strict_sin_cos(plant->state.heading);
+    set_normal(turn, &seen);
+    set_tilt_rates(&plant->attitude, turn, h, &seen);
     plant->attitude = seen;
 }
 
@@ -678,7 +674,7 @@ void skid_plant_init(struct skid_plant *plant, const struct skid_steer_model *mo
     plant->state.pressed_across = STANDARD_GRAVITY * footing.slope_left * footing.lie.along / footing.lie.normal;
     plant->attitude.rise_ahead = footing.lie.ahead;
     plant->attitude.rise_across = footing.lie.across;
-    set_normal(&plant->state, &plant->attitude);
+    set_normal(strict_sin_cos(plant->state.heading), &plant->attitude);
     plant->source = (struct cell_source){model->supply.voltage_v, model->supply.resistance_ohm};
     plant->attitude.bus_voltage = supply_of(&plant->source, model->electronics.power_w).voltage;
     plant->attitude.force_ahead = plant->state.pressed_ahead;

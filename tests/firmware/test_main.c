@@ -488,6 +488,22 @@ static void test_strapped_and_without_can_it_is_in_lockstep(void)
     TEST_ASSERT_NULL(node.ecu.internal.reset_report);
 }
 
+/* In ticks of the crystal's clock; the fastest oscillator of the watchdog runs at 1.5 times its nominal rate. */
+static void test_the_slow_timer_notices_late_samples_but_in_lockstep_only_feeds_the_watchdog(void)
+{
+    const uint32_t tick = jp_clock_core_hz(JP_CLOCK_CRYSTAL) / jp_firmware_tick_rate();
+
+    run_firmware(nothing, 1);
+    TEST_ASSERT_EQUAL_UINT32(tick / 2U, SYSTICK.RVR + 1U);
+    GPIOE.IDR = 0;
+    run_firmware(nothing, 1);
+    TEST_ASSERT_EQUAL_UINT32(tick / 2U, SYSTICK.RVR + 1U);
+    fake.can_join = FAKE_NEVER;
+    run_firmware(simulate, 1);
+    TEST_ASSERT_EQUAL_UINT32(5U * tick, SYSTICK.RVR + 1U);
+    TEST_ASSERT_TRUE(3U * (SYSTICK.RVR + 1U) < 2U * JP_WATCHDOG_TICKS * tick);
+}
+
 static void order_by_line(void)
 {
     const struct jp_can_frame frame = operator_command(++command_counter & 15U, JP_MODE_STAND, 0);

@@ -12,7 +12,10 @@ run() {
     case $1 in
     */prop_cell_costs) "$1" --count 60 ;;
     */prop_far_sweep) "$1" --count 25 ;;
+    */prop_lattice_way) "$1" --count 100 ;;
     */prop_planner) "$1" --count 1000 --seed 5 ;;
+    */prop_planner_memory) "$1" --count 60 ;;
+    */prop_pose_field) "$1" --count 40 ;;
     */prop_scan_match) "$1" --count 1 ;;
     */prop_waypoints) "$1" --count 10 ;;
     *) "$1" ;;

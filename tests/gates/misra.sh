@@ -6,6 +6,12 @@
 
 records=tests/gates/misra.yaml
 scratch=$(mktemp -d)
+# What was found of a file stays until the file, what it includes, the checker or its rules change. An addon that broke
+# down is asked again.
+addon=$(find /usr/share/cppcheck /usr/lib /usr/local/share -path '*cppcheck/addons/misra*.py' 2>/dev/null | sort)
+rules=$({ cppcheck --version && cat "${BASH_SOURCE[0]}" "$(dirname "$0")"/{gate.sh,cppcheck.txt} $addon; } | sha256sum)
+known=${JP_BUILD:-build}/misra/${rules:0:16}
+mkdir -p "$known"
 export records scratch
 trap 'rm -rf "$results" "$scratch"' EXIT
 
@@ -16,7 +22,7 @@ mapfile -t differing < <(grep -lE "$differing_names" "${files[@]}")
 of_the_project='misra-c2012-(2\.[345]|5\.[6-9]|8\.[567])$'
 
 examine() {
-    cppcheck --quiet -j "${JOBS:-$(nproc)}" --cppcheck-build-dir="$scratch" --std=c11 --enable=style --addon=misra \
+    cppcheck --quiet -j "${JOBS:-$(nproc)}" --cppcheck-build-dir="$known" --std=c11 --enable=style --addon=misra \
         --addon-python="${PYTHON:-python3}" \
         --suppressions-list=tests/gates/cppcheck.txt --template='{file}:{line}:{column}: {id}' -Iinclude -I. "$@" 2>&1
 }
@@ -39,11 +45,16 @@ judge() {
 }
 
 analyse() {
-    find_violations && judge || ! cat "$scratch"/{first,second,problems}
+    find_violations && judge && return
+    rm -rf "$known"
+    cat "$scratch"/{first,second,problems}
+    return 1
 }
 
 mapfile -t headers < <(sources h include src)
 check cppcheck analyse
 check_each no_problem_in "${files[@]}" "${headers[@]}" "$records" project
+! grep -qs 'the addon failed' "$scratch/problems" || rm -rf "$known"
+find "$known" -name '*.dump' -delete 2>/dev/null
 cat "$scratch/table"
 finish

@@ -95,6 +95,30 @@ static void test_beside_zeros(void)
     }
 }
 
+static void assert_same_bits(double one, double other)
+{
+    TEST_ASSERT_EQUAL_MEMORY(&one, &other, sizeof one);
+}
+
+/* Wherever it stands, and as often as it has turned. */
+static void test_both_of_an_angle_are_those_of_each(void)
+{
+    static const double others[] = {0.0, -0.0, 5e-324, M_PI_2, -M_PI_2, 1e10, -1e16, 1e300};
+
+    for (unsigned long k = 0; k < options.count; k++) {
+        const double x = random_uniform(&draws, -9, 9) * (k % 2 == 0 ? 1 : 1e6);
+        const struct strict_turn turn = strict_sin_cos(x);
+        assert_same_bits(turn.sine, strict_sin(x));
+        assert_same_bits(turn.cosine, strict_cos(x));
+    }
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        const struct strict_turn turn = strict_sin_cos(others[i]);
+        assert_same_bits(turn.sine, strict_sin(others[i]));
+        assert_same_bits(turn.cosine, strict_cos(others[i]));
+    }
+    TEST_ASSERT_TRUE(isnan(strict_sin_cos(NAN).sine) && isnan(strict_sin_cos(INFINITY).cosine));
+}
+
 static void assert_as_in_c(double value, double expected)
 {
     TEST_ASSERT_TRUE(isnan(expected) ? isnan(value) : value == expected && !signbit(value) == !signbit(expected));

@@ -8,7 +8,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from programs import BIN, LIMIT, ROOT, assert_one_line_error  # noqa: E402, F401 - for the tests
+from programs import BIN, LIMIT, ROOT, assert_one_line_error, stay_on_one_cpu  # noqa: E402, F401 - for the tests
 
 SCENARIO = """\
 name = "short";
@@ -17,6 +17,11 @@ energy_model = "identified";
 seed = 1;
 waypoints = ( [0.0, 0.0], [2.0, 0.5], [3.0, 2.0] );
 """
+
+
+@pytest.fixture(scope="session", autouse=True)
+def fixture_one_cpu():
+    stay_on_one_cpu()
 
 
 def run(program, *arguments, **options):

@@ -33,13 +33,18 @@ static inline double exact_above(double value, double limit)
     return value > limit ? value - limit : 0.0;
 }
 
-/** By Newton's method, for targets without a library of mathematics; 0 or more. */
+/** By Newton's method, from above, for targets without a library of mathematics; 0 or more. */
 static inline double exact_root(double square)
 {
     double root = square > 1.0 ? square : 1.0;
 
     for (unsigned i = 0; i < 64U; i++) {
-        root = 0.5 * (root + square / root);
+        const double next = 0.5 * (root + square / root);
+
+        if (next >= root) {
+            break;
+        }
+        root = next;
     }
     return root;
 }

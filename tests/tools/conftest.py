@@ -14,7 +14,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
-from programs import BIN, assert_one_line_error, assert_verdict  # noqa: E402, F401 - the latter for the tests
+from programs import (BIN, assert_one_line_error, assert_verdict,  # noqa: E402, F401 - some for the tests
+                      stay_on_one_cpu)
 from tools import common  # noqa: E402
 from tools.design import robot_json  # noqa: E402
 from tools.report import plots  # noqa: E402
@@ -22,6 +23,11 @@ from tools.report import plots  # noqa: E402
 JP_ROBOT = BIN / "jp-robot"
 # The balancers: those with a controller.
 ROBOTS = sorted(path.stem.removeprefix("robot_") for path in (ROOT / "src" / "tables").glob("robot_*.c"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def fixture_one_cpu():
+    stay_on_one_cpu()
 
 
 def run_tool(name, *arguments, input=""):

@@ -61,28 +61,33 @@ def read_table(path, exponent=0):
 BLOCK = 1000  # ticks that are reckoned at once
 
 
-def states_after(axis, state, ticks):
-    """The states of so many ticks, beginning with this one, and the one after them."""
+def powers_of(axis):
+    """Of its matrix, 0 to BLOCK."""
     powers = [np.eye(axis.size)]
-    for _ in range(min(ticks, BLOCK)):
+    for _ in range(BLOCK):
         powers.append(axis.matrix @ powers[-1])
+    return np.array(powers)
+
+
+def states_after(powers, state, ticks):
+    """The states of so many ticks, beginning with this one, and the one after them."""
     blocks = []
     for first in range(0, ticks, BLOCK):
         count = min(BLOCK, ticks - first)
-        blocks.append(np.array(powers[:count]) @ state)
+        blocks.append(powers[:count] @ state)
         state = powers[count] @ state
-    return np.concatenate([np.empty((0, axis.size)), *blocks]), state
+    return np.concatenate([np.empty((0, len(state))), *blocks]), state
 
 
 def drive_ticks(axis, definition, resistance, segments, level):
     """Of each segment, J: energy, the loop's voltages and currents of all ticks added up; and what is turned over, taken and
     given back."""
-    state, before, energies = np.zeros(axis.size), 0.0, []
+    moves, state, before, energies = powers_of(axis), np.zeros(axis.size), 0.0, []
     for segment in segments:
         speed, turn = segment[level], segment[2] * level
         state = state + axis.jump(speed - before, turn)
         before = speed
-        states, state = states_after(axis, state, round(segment[3] * axis.rate_hz))
+        states, state = states_after(moves, state, round(segment[3] * axis.rate_hz))
         volts = states @ axis.voltage + axis.volts_per_unit * speed
         amperes = (states @ axis.current + axis.amperes_per_unit * speed if definition == closed_loop.BATTERY
                    else volts / resistance)
@@ -157,8 +162,8 @@ def test_modes_that_cost_much_have_units_of_their_own(tmp_path):
     assert run_tool("design.horizon", "courier24", "--robot-json", source, "--tables", tmp_path).returncode == 0
     robot, units = robot_of("courier24"), []
     for robot in (robot, robot_json.load_json(source)):
-        axes = closed_loop.axes(robot)
-        modes = [horizon.modes_of(robot, axis) for axis in axes]
+        axes, unit = closed_loop.axes(robot), energy_unit.exponent(robot)
+        modes = [horizon.modes_of(robot, axis, unit) for axis in axes]
         _, found, errors = horizon.tables_of(robot, closed_loop.BATTERY, axes, modes, 0)
         horizon.check_errors(robot, errors)
         units.append(np.concatenate([of_axis.mode for of_axis in found]))
@@ -188,8 +193,9 @@ def test_robots_whose_modes_are_alike_get_tables(seed, tmp_path):
 def test_sums_of_modes_move_as_the_modes_do():
     """The same axis by its modes and by their sums."""
     robot = robot_of("courier24")
+    unit = energy_unit.exponent(robot)
     for axis in closed_loop.axes(robot):
-        modes = horizon.modes_of(robot, axis)
+        modes = horizon.modes_of(robot, axis, unit)
         real = modes.frequency == 0
         passed = np.append(real[:-1] & real[1:], False).astype(float)
         sums = np.eye(len(real))
@@ -207,8 +213,8 @@ def test_sums_of_modes_move_as_the_modes_do():
 def test_modes_that_move_far_have_units_of_their_own(limit, value, tmp_path, monkeypatch):
     monkeypatch.setattr(horizon, limit, value)
     robot = robot_of("courier24")
-    axes = closed_loop.axes(robot)
-    modes = [horizon.modes_of(robot, axis) for axis in axes]
+    axes, unit = closed_loop.axes(robot), energy_unit.exponent(robot)
+    modes = [horizon.modes_of(robot, axis, unit) for axis in axes]
     tables, units, errors = horizon.tables_of(robot, closed_loop.MOTOR, axes, modes, 0)
     horizon.check_errors(robot, errors)
     assert units[0].mode.min() < 0
@@ -315,7 +321,8 @@ def test_a_levelled_pitch_changes_the_modes():
     """Without the accelerometer, which feels the robot's own acceleration, the modes are others."""
     plain = robot_of("courier24", control__tilt_time_constant_s=0.0, control__bias_time_constant_s=0.0)
     with_level, without = (closed_loop.axes(robot)[0] for robot in (robot_of("courier24"), plain))
-    slow = [horizon.modes_of(robot_of("courier24"), axis).decay for axis in (with_level, without)]
+    unit = energy_unit.exponent(robot_of("courier24"))
+    slow = [horizon.modes_of(robot_of("courier24"), axis, unit).decay for axis in (with_level, without)]
     assert len(slow[0]) == len(slow[1]) + 1
 
 

@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 
 import pytest
 from conftest import ROOT, assert_one_line_error, run_tool
@@ -106,11 +107,13 @@ def fixture_gate(tmp_path_factory):
     python.write_text(ADDON_PYTHON, encoding="utf-8")
     python.chmod(0o755)
 
-    def gate(breaks_on):
-        environment = dict(os.environ, PYTHON=str(python), JP_BREAKS_ON=breaks_on)
+    def gate(breaks_on, build=None):
+        environment = dict(os.environ, PYTHON=str(python), JP_BREAKS_ON=breaks_on,
+                           JP_BUILD=build or tempfile.mkdtemp(dir=folder))
         return subprocess.run([folder / "tests/gates/misra.sh"], env=environment, capture_output=True, text=True,
                               check=False)
 
+    gate.folder = folder
     return gate
 
 
@@ -127,3 +130,23 @@ def test_gate_fails_by_the_name_of_what_the_addon_broke_down_on(gate, breaks_on,
     assert result.returncode == 1
     failures = [line for line in result.stdout.splitlines() if ":misra:FAIL" in line]
     assert failures == [f"{name}:1:misra:FAIL: not checked for MISRA C:2012, the addon failed: KeyError: 3"]
+
+
+def test_gate_asks_anew_only_of_what_has_changed(gate, tmp_path):
+    first = gate("nothing", tmp_path)
+    again = gate("plain", tmp_path)  # the addon, which would break down, is not asked
+    assert (again.returncode, again.stdout) == (0, first.stdout)
+    assert not list(tmp_path.rglob("*.dump"))
+    plain = gate.folder / "src/plain.c"
+    text = plain.read_text(encoding="utf-8")
+    plain.write_text(text.replace("return a << 1;", "goto end;\nend:\n    return a << 1;"), encoding="utf-8")
+    changed = gate("nothing", tmp_path)
+    plain.write_text(text, encoding="utf-8")
+    assert changed.returncode == 1 and "src/plain.c:3:misra:FAIL: MISRA C:2012 rule 15.1" in changed.stdout, changed.stdout
+    assert gate("nothing", tmp_path).stdout == first.stdout
+    assert gate("differing", tmp_path).returncode == 0
+
+
+def test_an_addon_that_broke_down_is_asked_again(gate, tmp_path):
+    assert gate("plain", tmp_path).returncode == 1
+    assert gate("nothing", tmp_path).returncode == 0

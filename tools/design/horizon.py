@@ -127,7 +127,7 @@ def _noticed(axis, energies):
     return noticed
 
 
-def modes_of(robot, axis):
+def modes_of(robot, axis, energy_exponent):
     resistance = robot.positive("motor.resistance_ohm")
     energies = [closed_loop.energy(axis, definition, resistance) for definition in SUFFIXES]
     values, left, right = linalg.eig(axis.matrix, left=True)
@@ -148,7 +148,7 @@ def modes_of(robot, axis):
         raise robot.error("control", f"{axis.name}: {len(components)} modes last longer than {DURATION_MIN:g} s, the "
                                      f"tables hold {MODES_MAX}")
     modes = Modes(*(np.array(column) for column in zip(*components)), np.zeros(len(components)))
-    return _summed(modes, _cancelling(axis, modes, energies, 2.0**energy_unit.exponent(robot)))
+    return _summed(modes, _cancelling(axis, modes, energies, 2.0**energy_exponent))
 
 
 def _cancelling(axis, modes, energies, unit):
@@ -420,8 +420,8 @@ def main():
     robot = (robot_json.load_json(options.robot_json) if options.robot_json
              else robot_json.load(robot_json.robot_path(options.robot), options.jp_robot))
     axes = closed_loop.axes(robot)
-    modes = [modes_of(robot, axis) for axis in axes]
     unit = energy_unit.exponent(robot)
+    modes = [modes_of(robot, axis, unit) for axis in axes]
     print_modes(robot, axes, modes)
     made = {definition: tables_of(robot, definition, axes, modes, unit) for definition in SUFFIXES}
     for definition, (_, _, errors) in made.items():

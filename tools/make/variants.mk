@@ -52,7 +52,8 @@ COMPILER.host-clang-m32  = clang -m32
 $(foreach v,$(ARM_VARIANTS),$(eval COMPILER.$v = arm-none-eabi-gcc))
 $(foreach v,$(RV_VARIANTS),$(eval COMPILER.$v = riscv64-unknown-elf-gcc))
 
-FLAGS.host            = $(HOST) -O2
+# Neither errno of a root nor a trap is looked at, and no bit of a result depends on them.
+FLAGS.host            = $(HOST) -O2 -fno-math-errno -fno-trapping-math
 # For others: a newer compiler's warnings must not stop an installation.
 FLAGS.release         = -O2 -Wno-error -ffunction-sections -fdata-sections
 # For a debugger on the board. The core has no floating point, so interrupts need not save its registers.
