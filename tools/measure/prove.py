@@ -262,7 +262,8 @@ def main():
     alarms = distinct_alarms(results)
     found = counted(alarms)
     wrong = [*judge(found, listed, is_whole), *(f"{r.driver}: {r.trouble}" for r in results if r.trouble)]
-    public, reached = public_functions(options.libraries), {name for result in results for name in result.names}
+    public = public_functions(options.libraries)
+    reached = {COPY.sub("", name) for result in results for name in result.names}
     if is_whole and options.record:
         write_functions(public, reached, FUNCTIONS)
     wrong += problems(public, reached, FUNCTIONS) if is_whole else []
