@@ -1,4 +1,4 @@
-// eva: -eva-slevel-function main:30,jp_terrain_init:30
+// eva: -eva-slevel-function main:30,any_terrain:30,jp_terrain_init:30
 /** Any map that fits a block, any cells on it and beside it, ground of any steepness blocked, for ever. */
 #include "tests/proof/any_terrain.h"
 
