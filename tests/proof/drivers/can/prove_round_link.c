@@ -33,7 +33,8 @@ int main(void)
     {
         accept(&link);
         if (any_bool()) {
-            jp_round_link_reject(&link, (enum jp_round_reason)any_between(JP_ROUND_REASON_NONE, JP_ROUND_REASON_MAP_GONE),
+            jp_round_link_reject(&link,
+                                 (enum jp_round_reason)any_between(JP_ROUND_REASON_NONE, JP_ROUND_REASON_MAP_GONE),
                                  (enum jp_round_field)any_between(JP_ROUND_FIELD_NONE, JP_ROUND_FIELD_STOPS));
         }
     }
