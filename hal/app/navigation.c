@@ -3,6 +3,7 @@
 #include <joulepath/count.h>
 #include <joulepath/meter.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "hal/can/jp_can.h"
 
@@ -261,7 +262,9 @@ static const char *missing(const struct jp_navigation_config *config)
 
 static void start(struct jp_navigation *navigation, const struct jp_wayfinder *finder, const struct jp_map_room *room)
 {
-    *navigation = (struct jp_navigation){.finder = *finder, .home_status = JP_ERR_STATE};
+    (void)memset(navigation, 0, sizeof *navigation);
+    navigation->finder = *finder;
+    navigation->home_status = JP_ERR_STATE;
     jp_map_link_start(&navigation->maps, room);
 }
 

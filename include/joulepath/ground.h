@@ -15,7 +15,7 @@ extern "C" {
 #define JP_GROUND_CLASSES 4U
 
 struct jp_ground {
-    /** At a point, m. */
+    /** At a point, m; ±16 383. */
     jp_q16 (*elevation)(const void *context, const struct jp_point *point);
     /** At a point: 0…JP_GROUND_CLASSES − 1. Null: 0 everywhere. */
     uint8_t (*class_at)(const void *context, const struct jp_point *point);

@@ -34,11 +34,12 @@ enum jp_piece_kind { JP_PIECE_CURVE, JP_PIECE_TURN_LEFT, JP_PIECE_TURN_RIGHT };
 
 /** Speeds of a piece, by path_speed.h: along a curve m/s and m/s², of a turn on the spot rad/s and rad/s². */
 struct jp_piece_speed {
-    jp_q24 cruise;       /**< that it speeds up or slows down to; above 0 */
-    jp_q24 end;          /**< at its end; 0 before and after a turn on the spot, and at the end of the path */
-    jp_q24 acceleration; /**< of every change; above 0 */
-    jp_q24 brake_from;   /**< where it begins to change to `end`; m or rad from its begin */
-    jp_q24 blend;        /**< half of the way over which the curvature changes to that at its begin, m */
+    jp_q24 cruise;       /**< that it speeds up or slows down to; above 0, at most 8 */
+    jp_q24 end;          /**< at its end; 0…8; 0 before and after a turn on the spot, and at the end of the path */
+    jp_q24 acceleration; /**< of every change; above 0, at most 64 */
+    jp_q24 brake_from;   /**< where it begins to change to `end`; m or rad from its begin, within its length */
+    jp_q24 blend;        /**< half of the way over which the curvature changes to that at its begin, m; 0, or at most
+                              half of this piece and of the one before it */
     jp_q16 blend_rate;   /**< by so much a metre, 1/m² */
 };
 

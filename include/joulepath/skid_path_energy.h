@@ -10,10 +10,10 @@
 extern "C" {
 #endif
 
-/** Adds a piece, at whose begin the robot has a speed, m/s, to a drive, and what it lasts to *duration, s, saturated.
- *  `next`: the piece after it, to whose curvature it changes at its end, or null. The model must have passed its check.
- *  Work: five pieces of skid_energy.h and one more for each 256 s, with a division of 64 bits and a square root each.
- *  Not for ISRs. */
+/** Adds a piece, at whose begin the robot has a speed, 0…8 m/s, to a drive, and what it lasts to *duration, s,
+ * saturated. `next`: the piece after it, to whose curvature it changes at its end, or null. The model must have passed
+ * its check. Work: five pieces of skid_energy.h and one more for each 256 s, with a division of 64 bits and a square
+ * root each. Not for ISRs. */
 void jp_skid_piece_energy(const struct jp_skid_energy_model *model, const struct jp_path_piece *piece,
                           const struct jp_path_piece *next, jp_q24 begin, struct jp_skid_drive *drive,
                           jp_q16 *duration);

@@ -32,6 +32,14 @@ static jp_q16 root(int64_t variance)
     return jp_saturate32((int64_t)jp_square_root((uint64_t)variance));
 }
 
+/** Of deviations that do not depend on each other; the sum of their squares may take 64 bits. */
+static jp_q16 root_of_squares(jp_q16 a, jp_q16 b, jp_q16 c)
+{
+    const uint64_t sum = (uint64_t)square(a) + (uint64_t)square(b) + (uint64_t)square(c);
+
+    return jp_saturate32((int64_t)jp_square_root(sum));
+}
+
 static jp_q16 clamped_ratio(int64_t over, int64_t under)
 {
     const int64_t ratio = over * JP_Q16_ONE / under;
@@ -95,5 +103,5 @@ struct jp_forecast jp_home_factor_way(const struct jp_home_factor *factor, const
     const jp_q16 of_mean = jp_q16_multiply(forecast->energy, factor->deviation);
     const jp_q16 of_drive = jp_q16_multiply(root((int64_t)forecast->energy * steps), factor->noise);
 
-    return (struct jp_forecast){energy, root(square(of_learner) + square(of_mean) + square(of_drive))};
+    return (struct jp_forecast){energy, root_of_squares(of_learner, of_mean, of_drive)};
 }

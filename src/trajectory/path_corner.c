@@ -54,8 +54,8 @@ static jp_q24 tangent_max(const struct jp_path_piece *corner, const struct half_
 
 static struct jp_point ahead_of(const struct jp_point *point, jp_angle heading, jp_q24 way)
 {
-    return (struct jp_point){point->x + jp_multiply_shift(way, jp_cos(heading), 39),
-                             point->y + jp_multiply_shift(way, jp_sin(heading), 39)};
+    return (struct jp_point){jp_add(point->x, jp_multiply_shift(way, jp_cos(heading), 39)),
+                             jp_add(point->y, jp_multiply_shift(way, jp_sin(heading), 39))};
 }
 
 /** A line that is shorter at its begin, `from_begin`, or at its end. */
@@ -84,7 +84,7 @@ static void round_by(struct jp_path_piece pieces[PIECES], const struct half_turn
     arc->begin = ahead_of(&arc->begin, arc->heading, -tangent);
     arc->bend = arc->kind == JP_PIECE_TURN_LEFT ? bend : -bend;
     arc->length = jp_q24_multiply(arc->length, radius);
-    arc->rise = rise_before - pieces[LINE_BEFORE].rise + rise_after - pieces[LINE_AFTER].rise;
+    arc->rise = jp_add(rise_before - pieces[LINE_BEFORE].rise, rise_after - pieces[LINE_AFTER].rise);
     arc->kind = JP_PIECE_CURVE;
 }
 

@@ -273,7 +273,8 @@ static jp_q24 slide_on(const struct jp_path_slide *slide, const struct jp_path_s
     const jp_q24 ahead = jp_add(slide->ahead, jp_q24_multiply(slide->left, middle));
     const jp_q24 left = jp_sub(slide->left, jp_q24_multiply(slide->ahead, middle));
     const jp_q24 pushed = jp_q24_multiply(slide->by_left, ahead);
-    const jp_q24 by_turn = jp_sub(stretch->turn < 0 ? -pushed : pushed, jp_q24_multiply(slide->by_turn, left));
+    const jp_q24 by_turn =
+        jp_sub(stretch->turn < 0 ? jp_sub(0, pushed) : pushed, jp_q24_multiply(slide->by_turn, left));
 
     return jp_sub(
         jp_q24_multiply(jp_clamp32(by_turn, -slide->most, slide->most), (jp_q24)jp_magnitude32(stretch->turn)),

@@ -129,10 +129,10 @@ static inline int32_t multiply30(int32_t a, int32_t b)
     return (int32_t)(jp_multiply(a, b) >> 30);
 }
 
-/** A sum of products by Q30; what a blend is made of does not leave its format. */
+/** A sum of at most four products by Q30, saturated. */
 static inline int32_t by_q30(int64_t sum)
 {
-    return (int32_t)((sum + (Q30_ONE >> 1)) >> 30);
+    return jp_saturate32((sum + (Q30_ONE >> 1)) >> 30);
 }
 
 void jp_blend_at(const struct jp_blend *blend, int32_t share, struct jp_set_point *at)
@@ -145,16 +145,17 @@ void jp_blend_at(const struct jp_blend *blend, int32_t share, struct jp_set_poin
     const int32_t odd = multiply30(p, Q30_ONE - share - share); /* p(1 − 2s) */
     const int32_t third = Q30_ONE - 6 * p;
 
-    at->wheel_rate =
-        blend->wheel_rate[0] + by_q30(jp_multiply(blend->wheel_rate[1], q) + jp_multiply(blend->wheel_rate[2], odd));
-    at->pitch = blend->pitch[0] + by_q30(jp_multiply(blend->pitch[1], q) + jp_multiply(blend->pitch[2], pp));
+    at->wheel_rate = jp_add(blend->wheel_rate[0],
+                            by_q30(jp_multiply(blend->wheel_rate[1], q) + jp_multiply(blend->wheel_rate[2], odd)));
+    at->pitch = jp_add(blend->pitch[0], by_q30(jp_multiply(blend->pitch[1], q) + jp_multiply(blend->pitch[2], pp)));
     at->pitch_rate = by_q30(jp_multiply(blend->pitch_rate[0], pp) + jp_multiply(blend->pitch_rate[1], odd));
-    at->common = blend->common[0] + by_q30(jp_multiply(blend->common[1], q) + jp_multiply(blend->common[2], pp) +
-                                           jp_multiply(blend->common[3], odd) + jp_multiply(blend->common[4], third));
+    at->common =
+        jp_add(blend->common[0], by_q30(jp_multiply(blend->common[1], q) + jp_multiply(blend->common[2], pp) +
+                                        jp_multiply(blend->common[3], odd) + jp_multiply(blend->common[4], third)));
     at->yaw_rate =
-        blend->yaw_rate[0] + by_q30(jp_multiply(blend->yaw_rate[1], share) + jp_multiply(blend->yaw_rate[2], p));
-    at->difference =
-        blend->difference[0] + by_q30(jp_multiply(blend->difference[1], share) + jp_multiply(blend->difference[2], p));
+        jp_add(blend->yaw_rate[0], by_q30(jp_multiply(blend->yaw_rate[1], share) + jp_multiply(blend->yaw_rate[2], p)));
+    at->difference = jp_add(blend->difference[0],
+                            by_q30(jp_multiply(blend->difference[1], share) + jp_multiply(blend->difference[2], p)));
 }
 
 static void cruise_at(const struct jp_cruise *cruise, struct jp_set_point *at)

@@ -3,18 +3,11 @@
 #ifndef JOULEPATH_TESTS_PROOF_ANY_ROBOT_H
 #define JOULEPATH_TESTS_PROOF_ANY_ROBOT_H
 
-#include <joulepath/status.h>
-
-#include "tests/proof/any.h"
+#include "tests/proof/any_board.h"
 
 #define JOINED(prefix, name)      prefix##name
 #define NAME_JOINED(prefix, name) JOINED(prefix, name)
 #define OF_ROBOT(name)            NAME_JOINED(ROBOT, name)
-
-static enum jp_status any_reading(void)
-{
-    return any_bool() ? JP_OK : any_bool() ? JP_HELD : JP_ERR_HARDWARE;
-}
 
 /** On, off, or driven by anything. */
 static void command(struct ROBOT *robot)

@@ -37,10 +37,10 @@ def test_alarms_are_what_is_not_proved_in_what_was_analysed(report):
         ["src/x/x.c", 15, "step", "precondition of zeros_of", "word"]]
 
 
-def test_a_renamed_parameter_makes_no_other_alarm(tmp_path):
+def test_a_renamed_parameter_or_constant_makes_no_other_alarm(tmp_path):
     path = tmp_path / "report.csv"
-    path.write_text(HEADING + "src/x\tx.c\t12\tstep\tshift\tUnknown\tstate_0->n + state_12->m < 32\n")
-    assert prove.read_alarms(path, {"step"}) == [["src/x/x.c", 12, "step", "shift", "state->n + state->m < 32"]]
+    path.write_text(HEADING + "src/x\tx.c\t12\tstep\tshift\tUnknown\tstate_0->n + state_12->m < BITS_0\n")
+    assert prove.read_alarms(path, {"step"}) == [["src/x/x.c", 12, "step", "shift", "state->n + state->m < BITS"]]
 
 
 def test_a_driver_that_did_not_arrive_or_lacks_a_source_is_in_trouble():
@@ -114,7 +114,7 @@ def test_the_functions_that_drivers_reach_are_counted_and_listed(judged, tmp_pat
     lost = judged([result("x/a", names=("main",))], [])
     assert lost.returncode == 1 and "functions.yaml: jp_step: no driver reaches it any more" in lost.stderr
     assert judged([result("x/a", names=("main",))], [], room="x").returncode == 0
-    assert judged([result("x/a", names=("jp_step", "jp_run"))], [], "--record").returncode == 0
+    assert judged([result("x/a", names=("jp_step", "jp_run__fc_inline"))], [], "--record").returncode == 0
     assert proof_functions.read_functions(tmp_path / "functions.yaml") == ({"jp_step", "jp_run"}, {"jp_walk"})
 
 
@@ -154,11 +154,11 @@ def test_each_public_function_is_listed_and_no_more_are_without_a_driver():
     reached, missing = proof_functions.read_functions()
     public = proof_functions.public_functions(LIBRARIES)
     assert public.keys() == reached | missing and not reached & missing
-    assert len(missing) <= 215
+    assert len(missing) <= 94
 
 
 def test_what_the_project_lists_is_explained_and_does_not_grow():
     """`make prove` is no part of `make test`; who adds an alarm raises this number, and says why."""
     listed = prove.read_listed(prove.ALARMS).values()
     assert all(entry.explained for entry in listed)
-    assert sum(entry.count for entry in listed) <= 586
+    assert sum(entry.count for entry in listed) <= 1064

@@ -43,8 +43,8 @@ EVA = ("-c11", "-machdep", "gcc_x86_32", "-eva", "-eva-precision", "1", "-eva-au
 # What is added to the name of a static function that several sources have, or of a copy in line.
 COPY = re.compile(r"(__fc_inline)?(_\d+)?$")
 OPTIONS = re.compile(r"^// eva: (.*)$", re.M)
-# What is added to the name of a parameter that several functions have.
-RENAMED = re.compile(r"\b([a-z]\w*?)_\d+\b")
+# What is added to the name of a parameter or a constant that several functions or sources have.
+RENAMED = re.compile(r"\b([A-Za-z]\w*?)_\d+\b")
 REACHED = re.compile(r"In th(?:is|ese) functions?, (\d+) statements reached \(out of (\d+)\)")
 ANALYSED = re.compile(r"computing for function (\w+) <-")
 UNKNOWN = re.compile(r"Neither code nor specification for function (\w+)")
@@ -262,7 +262,8 @@ def main():
     alarms = distinct_alarms(results)
     found = counted(alarms)
     wrong = [*judge(found, listed, is_whole), *(f"{r.driver}: {r.trouble}" for r in results if r.trouble)]
-    public, reached = public_functions(options.libraries), {name for result in results for name in result.names}
+    public = public_functions(options.libraries)
+    reached = {COPY.sub("", name) for result in results for name in result.names}
     if is_whole and options.record:
         write_functions(public, reached, FUNCTIONS)
     wrong += problems(public, reached, FUNCTIONS) if is_whole else []

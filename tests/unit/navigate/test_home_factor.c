@@ -185,3 +185,13 @@ static void test_limits_what_no_drive_takes(void)
     expect_in_range();
     TEST_ASSERT_INT32_WITHIN(JP_Q16(0.1), JP_Q16(0.5), factor.mean);
 }
+
+static void test_a_forecast_as_unsure_as_its_format_holds_is_as_unsure_with_the_drive(void)
+{
+    const struct jp_forecast forecast = {INT32_MAX, INT32_MAX};
+    const struct jp_home_factor wide = {.mean = JP_Q16(2), .deviation = JP_Q16(0.1), .noise = JP_Q16(2)};
+    const struct jp_forecast way = jp_home_factor_way(&wide, &forecast, INT32_MAX);
+
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, way.energy);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, way.deviation);
+}

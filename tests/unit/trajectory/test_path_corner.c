@@ -220,3 +220,19 @@ static void test_corners_of_hardly_any_angle(void)
     TEST_ASSERT_TRUE(round_corner(0.35));
     expect_near(0.021, pieces[1].length);
 }
+
+/* At the edge of the format, on ground as steep as it holds: places and rise stay within it. */
+static void test_saturates_at_the_edge_of_the_format(void)
+{
+    model.turning = JP_Q16(1000);
+    make_path(JP_PIECE_TURN_LEFT, 0.5);
+    pieces[0].begin.x = INT32_MAX - JP_Q16(2);
+    pieces[0].rise = INT32_MAX;
+    pieces[1].begin.x = INT32_MAX;
+    pieces[2].begin.x = INT32_MAX;
+    pieces[2].rise = INT32_MAX;
+    TEST_ASSERT_TRUE(round_corner(8));
+    TEST_ASSERT_TRUE(pieces[1].begin.x < INT32_MAX);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, pieces[2].begin.x);
+    TEST_ASSERT_TRUE(pieces[1].rise > 0);
+}

@@ -573,6 +573,19 @@ static void test_counter_move(void)
     expect_near(2 * 0.87 * 0.1212, track(0, 0, 0).speed);
 }
 
+/* Ten turns on the spot to the right, on ground as steep as it may be: what pushes it aside there is more than the
+ * format holds. It slides to the left. */
+static void test_counter_move_of_many_turns(void)
+{
+    const struct jp_path_slide steep = {.left = JP_Q24(1), .by_left = JP_Q24(8), .most = JP_Q24(4)};
+
+    add(JP_PIECE_TURN_RIGHT, 63.9, 0, 0);
+    begin();
+    skip(1);
+    look_ahead(&steep);
+    TEST_ASSERT_TRUE(drive.internal.turn_slides > 0);
+}
+
 /* No faster than speeds may be corrected, and back to 0 where the turn ends. */
 static void test_counter_move_is_slow_and_ends(void)
 {

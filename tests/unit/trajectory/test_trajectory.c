@@ -289,6 +289,24 @@ static void test_blends_of_one_tick(void)
     TEST_ASSERT_FALSE(jp_trajectory_advance(&drive, &config, &point));
 }
 
+/* Polynomials that no configuration of a robot gives do not wrap. */
+static void test_blends_saturate(void)
+{
+    const struct jp_blend blend = {.wheel_rate = {INT32_MAX, INT32_MAX, INT32_MAX},
+                                   .pitch = {INT32_MIN, INT32_MIN, INT32_MIN},
+                                   .common = {INT32_MAX, INT32_MAX, INT32_MAX, INT32_MAX, INT32_MIN},
+                                   .yaw_rate = {INT32_MAX, INT32_MAX, INT32_MAX},
+                                   .difference = {INT32_MIN, INT32_MIN, INT32_MIN}};
+    const int32_t third = (int32_t)((1 << 30) / 3);
+
+    jp_blend_at(&blend, third, &point);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, point.wheel_rate);
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, point.pitch);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, point.common);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, point.yaw_rate);
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, point.difference);
+}
+
 static void test_a_very_long_middle(void)
 {
     legs[0].middle.set_points = UINT32_MAX;

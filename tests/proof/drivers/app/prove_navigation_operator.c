@@ -1,22 +1,9 @@
 // eva: -eva-slevel-function main:20
 /** Any map and goal, anything seen, any frames, any time that passes, a port that takes or refuses, for ever. */
 #include "hal/app/navigation_operator.h"
-#include "tests/proof/any.h"
+#include "tests/proof/any_port.h"
 
 static uint8_t bytes[UINT16_MAX];
-
-static enum jp_status send(void *context, const struct jp_can_frame *frame)
-{
-    (void)context;
-    (void)frame;
-    return any_bool() ? JP_OK : JP_ERR_HARDWARE;
-}
-
-static enum jp_can_state state(void *context)
-{
-    (void)context;
-    return any_bool() ? JP_CAN_ON : JP_CAN_BUS_OFF;
-}
 
 static void order(struct jp_navigation_operator *self)
 {
@@ -43,7 +30,6 @@ static void order(struct jp_navigation_operator *self)
 int main(void)
 {
     static struct jp_navigation_operator self;
-    const struct jp_can_port port = {.send = send, .state = state};
     struct jp_can_frame frame;
 
     ANY(bytes);
@@ -52,7 +38,7 @@ int main(void)
         order(&self);
         ANY(frame);
         jp_navigation_operator_accept(&self, &frame);
-        jp_navigation_operator_tick(&self, any_unsigned(UINT32_MAX), &port);
+        jp_navigation_operator_tick(&self, any_unsigned(UINT32_MAX), &any_port);
         (void)jp_navigation_failure_text(self.failure);
     }
     ARRIVED();

@@ -7,14 +7,26 @@
 #define ORDER jp_twist
 #include "tests/proof/any_robot.h"
 
+static enum jp_status wheels_read(void *context, struct jp_four_wheel_sensors *sensors)
+{
+    (void)context;
+    ANY(*sensors);
+    return any_reading();
+}
+
+static enum jp_status wheels_write(void *context, const struct jp_four_wheel_actuation *actuation)
+{
+    (void)context;
+    (void)actuation;
+    return any_bool() ? JP_OK : JP_ERR_HARDWARE;
+}
+
 static void tick(struct jp_four_wheel_robot *robot)
 {
-    struct jp_four_wheel_sensors sensors;
-    struct jp_four_wheel_actuation actuation;
+    static const struct jp_four_wheel_hal board = {.read = wheels_read, .write = wheels_write};
+    enum jp_status written = any_bool() ? JP_OK : JP_ERR_HARDWARE;
 
-    ANY(sensors);
-    jp_four_wheel_robot_control(robot, any_reading(), &sensors, &actuation);
-    jp_four_wheel_robot_account(robot);
+    jp_hal_four_wheel_tick(&board, robot, &written);
 }
 
 static void look(struct jp_four_wheel_robot *robot)
