@@ -72,7 +72,9 @@ static jp_q16 root(uint64_t x)
 
 static uint64_t square(jp_q16 x)
 {
-    return (uint64_t)((int64_t)x * x);
+    const int64_t product = (int64_t)x * x;
+
+    return (uint64_t)product;
 }
 
 /** A drive with so many stands took so much more than its first course. */
