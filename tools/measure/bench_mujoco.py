@@ -444,8 +444,8 @@ def main():
     write_whole(build / "bench-mujoco/rows.json", json.dumps(rows, indent=1) + "\n")
     figures = [*drive_figures(rows), *learning_figures(rows)] if not (options.kind or options.robot) else []
     if figures:
-        write_whole(build / "bench/bench_mujoco.json", json.dumps(figures, indent=1) + "\n")
-        print(f"wrote {shown_path(build / 'bench/bench_mujoco.json')}")
+        write_whole(build / "bench/mujoco.json", json.dumps(figures, indent=1) + "\n")
+        print(f"wrote {shown_path(build / 'bench/mujoco.json')}")
     return 0
 
 

@@ -65,7 +65,7 @@ SECTIONS = (
             "controllers over the same bus: reference missions, slopes of 10° for balancers and of the file for others, steps of "
             "5 mm or as much of a smaller wheel, with the tyres of the file and hard ones, friction of 0.2, gears with 1° of play "
             "and sensors 4 ms late, 20 % more payload, pushes; random routes and courses on which the forecast learns.",
-            r"bench_mujoco"),
+            r"mujoco"),
     Section("Navigator of the firmware's image", "courier24 over the bus, which brings it map, goal and what its sensor sees, "
             "on random maps of 192 × 192 and 40 × 40 cells with boxes that they do not show, in process and with the image "
             "in QEMU; the application alone on the core, whose way is blocked again and again, an instruction taking 8 ns; "
