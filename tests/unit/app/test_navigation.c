@@ -8,7 +8,7 @@
 #include "tests/support/map_frames.h"
 #include "tests/support/round_frames.h"
 
-enum { SIDE = 20, BLOCK_BYTES = 2304, LEGS_MAX = 4, STREAM_MAX = 60 };
+enum { SIDE = 20, BLOCK_BYTES = 2272, LEGS_MAX = 4, STREAM_MAX = 60 };
 
 static uint64_t map_memory[SIDE];
 static uint64_t way_memory[(3 * ((SIDE * SIDE + 31) / 32) + 1) / 2];
