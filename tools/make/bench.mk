@@ -234,7 +234,7 @@ bench-skid-bus: ## drive 10 000 random missions of robots that their sides steer
 ARGS.bench_grid = $(if $(wildcard $(DATA)/*.map),--data $(DATA))
 
 # Property tests at bench length.
-PROPERTIES := battery battery_filter cells fixed four_wheel four_wheel_plant grid_planner grid_prices horizon planner planner_memory pure_pursuit scan_match segment skid_changes skid_energy skid_odometry skid_plans skid_plant skid_robot store teb
+PROPERTIES := battery battery_filter cells fixed four_wheel four_wheel_plant grid_planner grid_prices horizon patrol_energy planner planner_memory pure_pursuit scan_match segment skid_changes skid_energy skid_odometry skid_plans skid_plant skid_robot store teb
 ARGS.battery          = --count 100000000
 ARGS.battery_filter   = --count 400 --seed 20261126
 ARGS.cells            = --count 200 --seed 20261126
