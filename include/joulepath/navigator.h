@@ -121,9 +121,9 @@ struct jp_navigator_survey {
  * planning, ways round what the map did not show. J in the unit of the vehicle's model. */
 struct jp_stand_energy {
     jp_q16 mean;      /**< of a stand */
-    jp_q16 deviation; /**< of a single one by itself */
-    uint16_t stands;  /**< that it is known by */
-    uint16_t drives;
+    jp_q16 deviation; /**< of a single one by itself; 0 or more */
+    uint16_t stands;  /**< that it is known by, up to 64; 0: nothing is known yet */
+    uint16_t drives;  /**< likewise, up to 15 */
 };
 
 /** Private: from its begin to the goal. */
@@ -170,7 +170,8 @@ struct jp_navigator {
     enum jp_status status; /**< of the vehicle, where it is the reason */
     uint16_t replans;      /**< of this goal, saturating */
     uint8_t forgets;       /**< how often it has forgotten what it saw, wrapping: who sees for it tells all again */
-    /** Learned from each drive that arrives; the caller may write what was stored after jp_navigator_init(). */
+    /** Learned from each drive that arrives; the caller may write what was stored between jp_navigator_init() and the
+     * first goal. */
     struct jp_stand_energy stand;
     struct jp_navigator_internal internal;
 };
@@ -218,7 +219,8 @@ struct jp_place jp_navigator_place(const struct jp_navigator *navigator);
 /** The legs that are left of the course, from the one that is driven; *count of them. Constant time. */
 const struct jp_course_leg *jp_navigator_legs(const struct jp_navigator *navigator, uint16_t *count);
 
-/** What the course takes from where the robot is. JP_ERR_NO_PLAN: there is none yet. Work: the legs. */
+/** What the course takes from where the robot is. JP_ERR_NO_PLAN: there is none yet. Work: the legs, twice,
+ *  and two square roots. */
 enum jp_status jp_navigator_progress(const struct jp_navigator *navigator, struct jp_progress *progress);
 
 #ifdef __cplusplus

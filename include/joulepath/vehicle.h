@@ -27,7 +27,8 @@ struct jp_vehicle_view {
     enum jp_vehicle_phase phase;
     struct jp_point position;
     jp_angle heading;
-    jp_q16 spent; /**< since any moment, J in the unit of the vehicle's energy model, wrapping */
+    jp_q16 spent; /**< since any moment, J in the unit of the vehicle's energy model, wrapping; always the same: it does
+                       not count, and the navigator learns nothing of what drives take */
 };
 
 /** From a stand to a stand: a turn towards the first target, then along straight lines, but for the corners. */

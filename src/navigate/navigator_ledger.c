@@ -124,10 +124,12 @@ void jp_ledger_add_course(struct jp_navigator *navigator)
 void jp_ledger_end(struct jp_navigator *navigator)
 {
     const struct jp_navigator_drive *drive = &navigator->internal.drive;
-    const uint32_t taken = (uint32_t)jp_frame_look(navigator).spent - (uint32_t)drive->spent;
+    const uint32_t counted = (uint32_t)jp_frame_look(navigator).spent - (uint32_t)drive->spent;
+    const jp_q16 taken = (jp_q16)counted;
 
-    if (drive->stands > 0U) {
-        learn(&navigator->stand, jp_sub((jp_q16)taken, drive->forecast), drive->stands);
+    /* A vehicle that does not count teaches nothing. */
+    if (drive->stands > 0U && taken > 0) {
+        learn(&navigator->stand, jp_sub(taken, drive->forecast), drive->stands);
     }
 }
 

@@ -170,6 +170,23 @@ static void test_a_goal_on_the_spot_teaches_nothing(void)
     TEST_ASSERT_EQUAL_UINT16(0, navigator.stand.stands);
 }
 
+/* As a vehicle that does not count looks, and one whose count was set back. */
+static void test_a_drive_that_takes_nothing_teaches_nothing(void)
+{
+    struct jp_stand_energy before;
+
+    init();
+    go(18, 0);
+    before = navigator.stand;
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &navigator.stand, sizeof before);
+    robot.view.spent = JP_Q16(500);
+    go(4, 0);
+    robot.view.spent = 0;
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &navigator.stand, sizeof before);
+}
+
 /* What it forecast before it saw what is in its way: that is what a drive takes more than. */
 static void test_of_a_drive_that_is_planned_anew_the_first_course_counts(void)
 {
