@@ -6,11 +6,13 @@
 
 records=tests/gates/misra.yaml
 scratch=$(mktemp -d)
-# What was found of a file stays until the file, what it includes, the checker or its rules change. An addon that broke
-# down is asked again.
+# What was found stays until a source, the checker or its rules change: the checker's own memory of a file outlives a
+# comment that moves the lines below it.
 addon=$(find /usr/share/cppcheck /usr/lib /usr/local/share -path '*cppcheck/addons/misra*.py' 2>/dev/null | sort)
-rules=$({ cppcheck --version && cat "${BASH_SOURCE[0]}" "$(dirname "$0")"/{gate.sh,cppcheck.txt} $addon; } | sha256sum)
+rules=$({ cppcheck --version && cat "${BASH_SOURCE[0]}" "$(dirname "$0")"/{gate.sh,cppcheck.txt} $addon &&
+    find include src -name '*.[ch]' -print0 | sort -z | xargs -0 sha256sum; } | sha256sum)
 known=${JP_BUILD:-build}/misra/${rules:0:16}
+find "${known%/*}" -mindepth 1 -maxdepth 1 ! -path "$known" -exec rm -rf {} + 2>/dev/null
 mkdir -p "$known"
 export records scratch
 trap 'rm -rf "$results" "$scratch"' EXIT
