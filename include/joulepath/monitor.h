@@ -2,12 +2,13 @@
  * Plausibility of the sensors and the limit of tilt.
  *
  * While a reading is out of range, or jumps farther than physics allows, the last good frame is used; after
- * `confirm_ticks` it is a fault. But an impact, as of a wheel on an edge, is felt by the whole IMU: when the specific
- * force changes by more than 1 g in a tick or leaves its range, jumps of the rates and forces out of range are believed
- * from the next tick on and for `residual_ticks`. An IMU that goes on like that is a fault then. An IMU is frozen when
- * one of its channels repeats the same bits for `freeze_ticks`. A frame that is held because none was measured tells
- * nothing of the sensors: it makes none frozen, and no implausible one plausible. An encoder that stops, slips or runs
- * away is a fault when the residual of the motor current, i − (u − kb ω)/Rm, exceeds its limit for `residual_ticks`.
+ * `confirm_ticks` it is a fault. But an impact, as of a wheel on an edge or of one that lands, is felt by the whole
+ * IMU: when the specific force changes by more than 1 g in a tick or leaves its range, jumps of the rates and forces
+ * out of range are believed from the next tick on, until there was no impact for `residual_ticks`, and as many of them.
+ * An IMU that goes on like that is a fault then. An IMU is frozen when one of its channels repeats the same bits for
+ * `freeze_ticks`. A frame that is held because none was measured tells nothing of the sensors: it makes none frozen,
+ * and no implausible one plausible. An encoder that stops, slips or runs away is a fault when the residual of the motor
+ * current, i − (u − kb ω)/Rm, exceeds its limit for `residual_ticks`.
  */
 #ifndef JOULEPATH_MONITOR_H
 #define JOULEPATH_MONITOR_H
@@ -59,19 +60,20 @@ struct jp_monitor_config {
     jp_q16 current_residual;         /**< |i − (u − kb ω)/Rm| beyond it contradicts, A; above 0 */
     uint16_t confirm_ticks;          /**< readings until range, jump and runaway become faults; at least 1 */
     uint16_t freeze_ticks;   /**< equal readings of an IMU channel until frozen; 0 is off (a simulated ideal IMU) */
-    uint16_t residual_ticks; /**< contradicting ticks until an encoder fault, and how long an impact explains what an
-                                IMU says; at least 1 */
+    uint16_t residual_ticks; /**< contradicting ticks until an encoder fault; how many implausible readings of the IMU
+                                impacts explain, and how long there is none when they are over; at least 1 */
 };
 
 struct jp_monitor {
     struct jp_sensors good; /**< last plausible frame, the one to use, once started */
     uint16_t suspected;     /**< enum jp_fault bits of the last frame, confirmed or not; not frozen */
     uint16_t implausible_ticks;
-    uint16_t shaken_ticks; /**< since an impact began; 0: there is none */
-    uint16_t calm_ticks;   /**< without an impact */
+    uint16_t explained_ticks; /**< implausible readings of the IMU that impacts have explained, while `shaken` */
+    uint16_t calm_ticks;      /**< without an impact */
     uint16_t frozen_ticks[JP_IMU_CHANNELS];
     uint16_t residual_ticks[2];
     uint16_t overspeed_ticks;
+    bool shaken; /**< by impacts */
     bool started;
     uint32_t dropped_frames; /**< since the start, wrapping: implausible or not read, the last good one served */
     jp_q16 residual_limit;   /**< V, from the configuration */

@@ -8,6 +8,9 @@
 /** Rm i fits Q16 volts, V in Q32. */
 #define RESISTIVE_LIMIT ((int64_t)JP_Q16(32767) * JP_Q16_ONE)
 
+/** What an impact can explain. */
+#define IMU_FAULTS ((unsigned)JP_FAULT_IMU_RANGE | (unsigned)JP_FAULT_IMU_JUMP)
+
 #define FIELD(member, low, high) JP_CONFIG_FIELD("monitor.", struct jp_monitor_config, member, low, high)
 
 enum jp_status jp_monitor_check(const struct jp_monitor_config *config, const char **field)
@@ -107,20 +110,17 @@ static bool feels_impact(const struct jp_monitor_config *config, const struct jp
            ((ranges & (unsigned)JP_FAULT_IMU_RANGE) != 0U && accel_beyond(config, sensors));
 }
 
-/** True while an impact explains what the IMU says: from the tick after it began, for `residual_ticks`. The next one
- *  begins after as long without any. */
+/** True from the tick after an impact until there was none for so long. */
 static bool is_shaken(struct jp_monitor *monitor, uint16_t limit, bool impact)
 {
-    const bool began_before = monitor->shaken_ticks != 0U;
+    const bool is_calm = jp_count_in_a_row(&monitor->calm_ticks, !impact, limit);
+    const bool was_shaken = monitor->shaken;
 
-    if (!began_before && !impact) {
-        return false;
+    monitor->shaken = impact || (was_shaken && !is_calm);
+    if (!monitor->shaken) {
+        monitor->explained_ticks = 0;
     }
-    if (jp_count_in_a_row(&monitor->calm_ticks, !impact, limit)) {
-        monitor->shaken_ticks = 0;
-        return false;
-    }
-    return !jp_count_in_a_row(&monitor->shaken_ticks, true, limit) && began_before;
+    return was_shaken && monitor->shaken;
 }
 
 /** True once one channel has repeated itself to the bit for so long. */
@@ -136,13 +136,20 @@ static bool watch_for_frozen_imu(struct jp_monitor *monitor, uint16_t limit, con
     return pitch_rate || yaw_rate || accel_x || accel_z;
 }
 
-/** Whether an impact explains all that is wrong with the IMU; what it drives out of its range is the range's end. */
+/** Whether an impact explains all that is wrong with the IMU, which it does `residual_ticks` times; what it drives out
+ * of its range is the range's end. */
 static bool is_explained(struct jp_monitor *monitor, const struct jp_monitor_config *config,
                          const struct jp_sensors *sensors, unsigned suspected)
 {
     const bool impact = feels_impact(config, &monitor->good, sensors, suspected);
+    const bool shaken = is_shaken(monitor, config->residual_ticks, impact);
+    const bool is_asked = (suspected & IMU_FAULTS) != 0U && !gyro_beyond(config, sensors);
 
-    return is_shaken(monitor, config->residual_ticks, impact) && !gyro_beyond(config, sensors);
+    if (!shaken || !is_asked || monitor->explained_ticks >= config->residual_ticks) {
+        return false;
+    }
+    monitor->explained_ticks++;
+    return true;
 }
 
 static void limit_forces(struct jp_sensors *sensors, jp_q24 limit)
@@ -151,15 +158,15 @@ static void limit_forces(struct jp_sensors *sensors, jp_q24 limit)
     sensors->accel_z = jp_clamp32(sensors->accel_z, -limit, limit);
 }
 
-/** Of what lasts: a frame that is held ends nothing that is suspected. */
-static bool confirm(struct jp_monitor *monitor, uint16_t limit, bool is_held)
+/** Of what is suspected, what lasts: a frame that is held ends nothing. */
+static unsigned confirmed(struct jp_monitor *monitor, uint16_t limit, bool is_held)
 {
-    const bool is_suspected = monitor->suspected != 0U;
+    const unsigned suspected = monitor->suspected;
 
-    if (is_suspected || !is_held) {
-        return jp_count_in_a_row(&monitor->implausible_ticks, is_suspected, limit);
+    if (suspected == 0U && is_held) {
+        return 0U;
     }
-    return false;
+    return jp_count_in_a_row(&monitor->implausible_ticks, suspected != 0U, limit) ? suspected : 0U;
 }
 
 uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_config *config, enum jp_status read,
@@ -174,13 +181,13 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
     if (is_read && monitor->started) {
         suspected |= jumps(config, &monitor->good, sensors);
         explained = is_explained(monitor, config, sensors, suspected);
-        suspected &= explained ? ~((unsigned)JP_FAULT_IMU_RANGE | (unsigned)JP_FAULT_IMU_JUMP) : ~0U;
+        suspected &= explained ? ~IMU_FAULTS : ~0U;
         frozen = !is_held && config->freeze_ticks != 0U && watch_for_frozen_imu(monitor, config->freeze_ticks, sensors);
     }
 
     monitor->suspected = (uint16_t)suspected;
 
-    const bool confirmed = confirm(monitor, config->confirm_ticks, is_held);
+    const unsigned faults = confirmed(monitor, config->confirm_ticks, is_held);
 
     if (suspected == 0U) {
         monitor->good = *sensors;
@@ -191,7 +198,7 @@ uint16_t jp_monitor_sensors(struct jp_monitor *monitor, const struct jp_monitor_
     } else {
         monitor->dropped_frames++;
     }
-    return (uint16_t)((confirmed ? suspected : 0U) | (frozen ? (unsigned)JP_FAULT_IMU_FROZEN : 0U));
+    return (uint16_t)(faults | (frozen ? (unsigned)JP_FAULT_IMU_FROZEN : 0U));
 }
 
 /** Rm i − (u − kb ω): compared as a voltage there is no division. */
