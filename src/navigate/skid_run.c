@@ -137,13 +137,22 @@ static bool halve_next(struct jp_skid_run *run)
     return true;
 }
 
+/** The inner side drives half as fast as the middle, so that it drives on forward where treads slide by more than on
+ * the ground of the model, as on slopes: those that stand or go back among others that drive make the robot hop. */
+static jp_q24 radius_min(const struct jp_skid_energy_model *model)
+{
+    return 2 * model->half_track;
+}
+
 bool jp_skid_run_plan(struct jp_skid_run *run, const struct jp_skid_pilot_config *config,
                       const struct jp_skid_energy_model *model)
 {
     const struct jp_motion_price price = jp_skid_motion_price(model, config->time);
 
     if (config->corner > 0 && run->rounded < run->path.count) {
-        (void)jp_path_round_corner(&run->path, run->rounded, config->corner, &run->limits, &price);
+        const struct jp_corner_room room = {.clearance = config->corner, .radius_min = radius_min(model)};
+
+        (void)jp_path_round_corner(&run->path, run->rounded, &room, &run->limits, &price);
         run->rounded++;
         return true;
     }

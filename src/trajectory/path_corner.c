@@ -107,18 +107,25 @@ static void copy(struct jp_path_piece to[PIECES], const struct jp_path_piece fro
     }
 }
 
-bool jp_path_round_corner(struct jp_lattice_path *path, uint16_t turn, jp_q24 clearance,
+/** Where the arcs touch the lines, at least. */
+static jp_q24 tangent_min(jp_q24 radius, const struct half_turn *half)
+{
+    const jp_q24 tangent = tangent_of(radius > RADIUS_MIN ? radius : RADIUS_MIN, half);
+
+    return tangent > TANGENT_MIN ? tangent : TANGENT_MIN;
+}
+
+bool jp_path_round_corner(struct jp_lattice_path *path, uint16_t turn, const struct jp_corner_room *room,
                           const struct jp_path_limits *limits, const struct jp_motion_price *price)
 {
-    if (path == NULL || limits == NULL || price == NULL || !is_corner(path, turn)) {
+    if (path == NULL || room == NULL || limits == NULL || price == NULL || !is_corner(path, turn)) {
         return false;
     }
     struct jp_path_piece *lines = &path->pieces[turn - 1U];
     const jp_angle angle = jp_angle_from_radians(lines[CORNER].length / 2);
     const struct half_turn half = {jp_sin(angle), jp_cos(angle)};
-    const jp_q24 most = tangent_max(&lines[CORNER], &half, clearance);
-    const jp_q24 by_radius = tangent_of(RADIUS_MIN, &half);
-    const jp_q24 tangent_min = by_radius > TANGENT_MIN ? by_radius : TANGENT_MIN;
+    const jp_q24 most = tangent_max(&lines[CORNER], &half, room->clearance);
+    const jp_q24 fewest = tangent_min(room->radius_min, &half);
     struct jp_path_piece pieces[PIECES];
     jp_q24 best = 0;
 
@@ -128,7 +135,7 @@ bool jp_path_round_corner(struct jp_lattice_path *path, uint16_t turn, jp_q24 cl
     for (int32_t share = JP_CORNER_RADII; share > 0; share--) {
         const jp_q24 tangent = (jp_q24)((int64_t)most * share / JP_CORNER_RADII);
 
-        if (tangent < tangent_min) {
+        if (tangent < fewest) {
             break;
         }
         copy(pieces, lines);

@@ -169,7 +169,9 @@ static bool plan_path(void)
         return false;
     }
     if ((random_bits() & 1U) != 0U) {
-        (void)jp_path_round_corner(&path, 2, JP_Q24(0.1), &jp_path_limits_zhang2018, &price);
+        const struct jp_corner_room room = {JP_Q24(0.1), 0};
+
+        (void)jp_path_round_corner(&path, 2, &room, &jp_path_limits_zhang2018, &price);
     }
     return jp_path_plan_speeds(&path, &jp_path_limits_zhang2018, &price, &cost) == JP_OK;
 }

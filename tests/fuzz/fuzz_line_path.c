@@ -141,8 +141,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
             continue;
         }
         for (unsigned corners = fuzz_below(&input, 8); corners > 0U; corners--) {
-            (void)jp_path_round_corner(&path, (uint16_t)fuzz_below(&input, PIECES), fuzz_range(&input, 0, JP_Q24(8)),
-                                       &limits, &price);
+            const struct jp_corner_room room = {fuzz_range(&input, 0, JP_Q24(8)), (jp_q24)fuzz_u32(&input)};
+
+            (void)jp_path_round_corner(&path, (uint16_t)fuzz_below(&input, PIECES), &room, &limits, &price);
         }
 
         const enum jp_status status = jp_path_plan_speeds(&path, &limits, &price, &cost);

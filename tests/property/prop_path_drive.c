@@ -316,8 +316,8 @@ static double cost_of(const struct robot *robot)
     return q16(cost.energy) + q16(robot->price.time) * q16(cost.duration);
 }
 
-/* The arc leads from the one line to the other and passes the corner no farther off than it may. */
-static void check_arc(const struct jp_path_piece *arc, struct jp_point corner, double clearance)
+/* The arc leads from the one line to the other, passes the corner no farther off and is no tighter than it may. */
+static void check_arc(const struct jp_path_piece *arc, struct jp_point corner, const struct jp_corner_room *room)
 {
     const double length = q24(arc->length);
     const double bend = q24(arc->bend);
@@ -330,10 +330,12 @@ static void check_arc(const struct jp_path_piece *arc, struct jp_point corner, d
     check_near(q16(arc[1].begin.x), end.x, 2e-4, "m, x of an arc's end");
     check_near(q16(arc[1].begin.y), end.y, 2e-4, "m, y of an arc's end");
     check_near(0, planar_wrap(end.heading - path_rig_radians(arc[1].heading)), 1e-4, "rad at an arc's end");
-    check_below(hypot(middle.x - q16(corner.x), middle.y - q16(corner.y)), clearance + 1e-4, "m inside a corner");
+    check_below(hypot(middle.x - q16(corner.x), middle.y - q16(corner.y)), q24(room->clearance) + 1e-4,
+                "m inside a corner");
+    check_below(fabs(bend), 1 / q24(room->radius_min) * 1.001, "1/m, bend of an arc");
 }
 
-static unsigned round_corners(const struct robot *robot, double clearance)
+static unsigned round_corners(const struct robot *robot, const struct jp_corner_room *room)
 {
     unsigned count = 0;
 
@@ -341,8 +343,8 @@ static unsigned round_corners(const struct robot *robot, double clearance)
         const struct jp_point corner = walk.pieces[i].begin;
         const double before = cost_of(robot);
 
-        if (jp_path_round_corner(&walk.path, i, (jp_q24)(clearance * PATH_RIG_Q24), robot->limits, &robot->price)) {
-            check_arc(&walk.pieces[i], corner, clearance);
+        if (jp_path_round_corner(&walk.path, i, room, robot->limits, &robot->price)) {
+            check_arc(&walk.pieces[i], corner, room);
             check_below(cost_of(robot), before + 0.01, "J with a corner more that is round");
             count++;
         }
@@ -359,7 +361,10 @@ static void test_round_corners_cost_less(void)
         struct jp_path_cost cost;
 
         plan(robot, random_uniform(&noise, -0.1, 0.1), random_uniform(&noise, -0.1, 0.1), STEPS, &cost);
-        count += round_corners(robot, random_uniform(&noise, 0, 0.3));
+        const struct jp_corner_room room = {(jp_q24)(random_uniform(&noise, 0, 0.3) * PATH_RIG_Q24),
+                                            (jp_q24)(random_uniform(&noise, 0.02, 0.6) * PATH_RIG_Q24)};
+
+        count += round_corners(robot, &room);
     }
     (void)printf("%u corners are round\n", count);
     TEST_ASSERT_TRUE(count > 0);

@@ -23,6 +23,7 @@ static struct jp_lattice_path path;
 struct model {
     jp_q16 driving;
     jp_q16 turning;
+    jp_q16 bending; /* besides, by the speed, J/m */
 };
 
 static struct model model;
@@ -32,7 +33,9 @@ static jp_q16 power(const void *context, const struct jp_motion *motion, jp_q24 
     const struct model *of = context;
 
     (void)grade;
-    return motion->speed == 0 ? of->turning : of->driving;
+    const bool bends = motion->speed != 0 && motion->turn_rate != 0;
+
+    return motion->speed == 0 ? of->turning : of->driving + (bends ? jp_q24_multiply(of->bending, motion->speed) : 0);
 }
 
 static struct jp_motion_price price = {.power = power, .model = &model};
@@ -59,7 +62,7 @@ static void make_path(enum jp_piece_kind kind, double turn)
 
 void setUp(void)
 {
-    model = (struct model){JP_Q16(10), JP_Q16(10)};
+    model = (struct model){JP_Q16(10), JP_Q16(10), 0};
     price.time = 0;
     make_path(JP_PIECE_TURN_LEFT, 1.5707963);
 }
@@ -68,9 +71,16 @@ void tearDown(void)
 {
 }
 
+static bool round_by(double clearance, double radius_min)
+{
+    const struct jp_corner_room room = {JP_Q24(clearance), JP_Q24(radius_min)};
+
+    return jp_path_round_corner(&path, 1, &room, &limits, &price);
+}
+
 static bool round_corner(double clearance)
 {
-    return jp_path_round_corner(&path, 1, JP_Q24(clearance), &limits, &price);
+    return round_by(clearance, 0);
 }
 
 static void expect_unchanged(void)
@@ -98,11 +108,14 @@ static void expect_point(double x, double y, struct jp_point point)
 
 static void test_refuses(void)
 {
-    TEST_ASSERT_FALSE(jp_path_round_corner(NULL, 1, JP_Q24(1), &limits, &price));
-    TEST_ASSERT_FALSE(jp_path_round_corner(&path, 1, JP_Q24(1), NULL, &price));
-    TEST_ASSERT_FALSE(jp_path_round_corner(&path, 1, JP_Q24(1), &limits, NULL));
-    TEST_ASSERT_FALSE(jp_path_round_corner(&path, 0, JP_Q24(1), &limits, &price));
-    TEST_ASSERT_FALSE(jp_path_round_corner(&path, 2, JP_Q24(1), &limits, &price));
+    const struct jp_corner_room room = {JP_Q24(1), 0};
+
+    TEST_ASSERT_FALSE(jp_path_round_corner(NULL, 1, &room, &limits, &price));
+    TEST_ASSERT_FALSE(jp_path_round_corner(&path, 1, NULL, &limits, &price));
+    TEST_ASSERT_FALSE(jp_path_round_corner(&path, 1, &room, NULL, &price));
+    TEST_ASSERT_FALSE(jp_path_round_corner(&path, 1, &room, &limits, NULL));
+    TEST_ASSERT_FALSE(jp_path_round_corner(&path, 0, &room, &limits, &price));
+    TEST_ASSERT_FALSE(jp_path_round_corner(&path, 2, &room, &limits, &price));
     expect_unchanged();
 }
 
@@ -143,14 +156,14 @@ static void test_the_shorter_line_gives_the_room(void)
 /* Driving is so dear that turning on the spot, with less of the lines gone, costs less. */
 static void test_on_the_spot_where_that_is_cheaper(void)
 {
-    model = (struct model){JP_Q16(100), JP_Q16(-200)};
+    model = (struct model){JP_Q16(100), JP_Q16(-200), 0};
     TEST_ASSERT_FALSE(round_corner(1));
     expect_unchanged();
 }
 
 static void test_time_has_a_price(void)
 {
-    model = (struct model){JP_Q16(1), JP_Q16(-4)};
+    model = (struct model){JP_Q16(1), JP_Q16(-4), 0};
     TEST_ASSERT_FALSE(round_corner(1));
     price.time = JP_Q16(200);
     TEST_ASSERT_TRUE(round_corner(1));
@@ -162,6 +175,27 @@ static void test_no_room(void)
     TEST_ASSERT_FALSE(round_corner(-0.1));
     TEST_ASSERT_FALSE(round_corner(0.004));
     expect_unchanged();
+}
+
+/* Half of the last line lets it have a radius of 0.5 m. */
+static void test_arcs_are_no_tighter_than_they_may(void)
+{
+    TEST_ASSERT_FALSE(round_by(1, 0.501));
+    expect_unchanged();
+    TEST_ASSERT_TRUE(round_by(1, 0.499));
+    expect_near(2, pieces[1].bend);
+}
+
+/* Bends are so dear that the shortest arc is the cheapest. */
+static void test_of_the_arcs_that_may_be_the_cheapest(void)
+{
+    model = (struct model){JP_Q16(10), JP_Q16(10000), JP_Q16(500)};
+    TEST_ASSERT_TRUE(round_by(1, 0));
+    const jp_q24 tightest = pieces[1].bend;
+    make_path(JP_PIECE_TURN_LEFT, 1.5707963);
+    TEST_ASSERT_TRUE(round_by(1, 0.37));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), JP_Q24(1 / 0.375), pieces[1].bend);
+    TEST_ASSERT_GREATER_THAN_INT32(pieces[1].bend, tightest);
 }
 
 static void test_what_is_no_corner(void)

@@ -19,6 +19,7 @@ int main(void)
     struct jp_motion_price price;
     struct jp_path_cost cost;
     struct jp_lattice_path path;
+    struct jp_corner_room room;
     const char *field;
 
     ANY(limits);
@@ -29,7 +30,8 @@ int main(void)
     price.power = any_power;
     price.model = NULL;
     any_path(&path);
-    (void)jp_path_round_corner(&path, (uint16_t)any_unsigned(UINT16_MAX), any_int(), &limits, &price);
+    ANY(room);
+    (void)jp_path_round_corner(&path, (uint16_t)any_unsigned(UINT16_MAX), &room, &limits, &price);
     (void)jp_path_plan_speeds(&path, &limits, &price, &cost);
     ARRIVED();
     return 0;
