@@ -10,7 +10,7 @@
 #define TICKS_MAX   (120 * RATE)
 
 /* Two corners to the left. */
-static const struct jp_point square[] = {{JP_Q16(2), 0}, {JP_Q16(2), JP_Q16(2)}, {0, JP_Q16(2)}};
+static const struct jp_point square[] = {{JP_Q16(4), 0}, {JP_Q16(4), JP_Q16(4)}, {0, JP_Q16(4)}};
 #define SQUARE (sizeof square / sizeof square[0])
 
 static struct jp_skid_energy_model model;

@@ -126,7 +126,7 @@ static void test_slices(void)
     set_up_pilot();
     follow_square();
     TEST_ASSERT_EQUAL_UINT(1 + 5 + 3 + 1, plan());
-    set_up_corners(JP_Q24(0.2));
+    set_up_corners(JP_Q24(0.5));
     follow_square();
     TEST_ASSERT_EQUAL_UINT(1 + 5 + 1 + 2 + 3 + 1, plan());
     TEST_ASSERT_EQUAL_UINT16(3, pilot.legs_surveyed);
@@ -183,7 +183,7 @@ static void test_legs_add_up_to_the_path(void)
 
         set_up_rig();
         make_standing();
-        set_up_corners(rounded * JP_Q24(0.2));
+        set_up_corners(rounded * JP_Q24(0.5));
         pilot.battery_flags = JP_BATTERY_EMPTY; /* nothing is learned, which would change what is expected */
         follow_square();
         (void)plan();
@@ -368,11 +368,11 @@ static void test_legs_on_class_0_teach_the_robot(void)
     TEST_ASSERT_EQUAL_MEMORY(&pilot.learner.model, &known_grounds.models[3], sizeof pilot.learner.model);
 }
 
-/* In bands of 0.5 m across the x axis. */
+/* In bands of 1 m across the x axis. */
 static uint8_t class_in_bands(const void *context, const struct jp_point *point)
 {
     (void)context;
-    return point->x > 0 && (point->x / JP_Q16(0.5)) % 2 == 1 ? 1 : 0;
+    return point->x > 0 && (point->x / JP_Q16(1)) % 2 == 1 ? 1 : 0;
 }
 
 static void drive_over_bands(uint32_t ticks_a_call)

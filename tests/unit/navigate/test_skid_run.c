@@ -19,7 +19,7 @@ void setUp(void)
 {
     config = (struct jp_skid_pilot_config){.model = &jp_skid_energy_zhang2018,
                                            .limits = jp_path_limits_zhang2018,
-                                           .corner = JP_Q24(0.2),
+                                           .corner = JP_Q24(0.5),
                                            .pieces = pieces,
                                            .places = PLACES};
 }
@@ -95,7 +95,7 @@ static void halve_and_expect_the_same(void)
 /* To the left and to the right. */
 static void test_halves_of_arcs_are_driven_as_the_arcs(void)
 {
-    static const struct jp_point targets[] = {{JP_Q16(2), 0}, {JP_Q16(2), JP_Q16(2)}, {JP_Q16(4), JP_Q16(2)}};
+    static const struct jp_point targets[] = {{JP_Q16(4), 0}, {JP_Q16(4), JP_Q16(4)}, {JP_Q16(8), JP_Q16(4)}};
 
     lay_and_plan(targets, 3);
     TEST_ASSERT_EQUAL_UINT16(5, run.path.count);
@@ -106,6 +106,23 @@ static void test_halves_of_arcs_are_driven_as_the_arcs(void)
         TEST_ASSERT_EQUAL_INT32(pieces[i].bend, pieces[i + 1U].bend);
     }
     TEST_ASSERT_FALSE(jp_skid_run_plan(&run, &config, config.model));
+}
+
+/* A quarter of a circle that passes its corner so far inside has 2.41 times as much of a radius. */
+static void test_no_arc_has_an_inner_side_that_may_stand(void)
+{
+    static const struct jp_point targets[] = {{JP_Q16(4), 0}, {JP_Q16(4), JP_Q16(4)}};
+    const int32_t to_clearance = JP_Q16(0.4142136);
+    const jp_q24 least = 2 * config.model->half_track;
+
+    for (int32_t more = -JP_Q24(0.01); more <= JP_Q24(0.01); more += JP_Q24(0.02)) {
+        config.corner = jp_multiply_shift(least + more, to_clearance, 16);
+        lay_and_plan(targets, 2);
+        TEST_ASSERT_EQUAL(more > 0, pieces[1].bend != 0);
+        if (more > 0) {
+            TEST_ASSERT_INT32_WITHIN(JP_Q24(0.02), JP_Q24_ONE, jp_q24_multiply(pieces[1].bend, least));
+        }
+    }
 }
 
 /** A line, an arc by half a turn of radius 1 m, and a line, whose speeds are set by hand. */
@@ -163,7 +180,7 @@ static void test_an_arc_that_brakes_before_its_middle(void)
 
 static void test_legs_meet_in_the_middle_of_arcs(void)
 {
-    static const struct jp_point targets[] = {{JP_Q16(2), 0}, {JP_Q16(2), JP_Q16(2)}, {JP_Q16(4), JP_Q16(2)}};
+    static const struct jp_point targets[] = {{JP_Q16(4), 0}, {JP_Q16(4), JP_Q16(4)}, {JP_Q16(8), JP_Q16(4)}};
     static const uint16_t ends[] = {2, 5, 7};
     struct jp_skid_leg leg = {.end = 0};
 

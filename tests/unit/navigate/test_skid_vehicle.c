@@ -11,7 +11,7 @@ static struct jp_skid_vehicle skid;
 static struct jp_vehicle vehicle;
 
 /* Two corners to the left. */
-static const struct jp_point targets[] = {{JP_Q16(2), 0}, {JP_Q16(2), JP_Q16(2)}, {0, JP_Q16(2)}};
+static const struct jp_point targets[] = {{JP_Q16(4), 0}, {JP_Q16(4), JP_Q16(4)}, {0, JP_Q16(4)}};
 
 static struct jp_vehicle_run run_of(uint16_t count)
 {
@@ -150,7 +150,7 @@ static void test_follows_a_run_round_its_corners(void)
 
     for (int rounded = 0; rounded < 2; rounded++) {
         setUp();
-        prepare(rounded == 1 ? JP_Q24(0.2) : 0);
+        prepare(rounded == 1 ? JP_Q24(0.5) : 0);
         make_standing();
         TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.follow(vehicle.context, &whole));
         TEST_ASSERT_EQUAL_INT(JP_OK, planned());
@@ -250,11 +250,11 @@ static void test_survey_tells_what_room_corners_take(void)
         TEST_ASSERT_EQUAL_INT32(0, extent.aside);
         TEST_ASSERT_EQUAL_INT32(0, extent.beyond);
     }
-    prepare(JP_Q24(0.2));
+    prepare(JP_Q24(0.5));
     TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.survey(vehicle.context, &whole, true));
     for (int leg = 0; leg < 3; leg++) {
         TEST_ASSERT_EQUAL_INT(JP_OK, vehicle.survey_leg(vehicle.context, &extent));
-        TEST_ASSERT_TRUE(extent.aside > JP_Q16(0.01) && extent.aside <= JP_Q16(0.2) + 16);
+        TEST_ASSERT_TRUE(extent.aside > JP_Q16(0.01) && extent.aside <= JP_Q16(0.5) + 16);
         TEST_ASSERT_EQUAL_INT32(0, extent.beyond);
     }
 }
