@@ -72,7 +72,9 @@ struct jp_learning {
 enum jp_learned {
     JP_LEARNED,         /**< taken */
     JP_LEARNED_NOTHING, /**< the segment says nothing about any parameter (a stand): nothing is learned or forgotten */
-    JP_LEARNED_OUTLIER, /**< taken, but further from the expectation than it counts */
+    JP_LEARNED_OUTLIER, /**< taken, but further from the expectation than it counts. Too many of them in the first
+                             8 segments after a start or a change are no change: the noise is taken to be larger,
+                             P returns to I, and this measurement is left out */
     JP_LEARNED_CHANGE   /**< too many outliers in a short time: robot or ground changed. x is kept as a first guess, P
                              returns to I, and this measurement is taken, its error limited to 64 deviations */
 };
@@ -81,7 +83,7 @@ enum jp_learned {
 struct jp_learned_state {
     jp_q24 x[JP_LEARNING_DIRECTIONS];                          /**< |x| <= JP_LEARNED_MAX */
     int32_t s[JP_LEARNING_DIRECTIONS][JP_LEARNING_DIRECTIONS]; /**< S, Q2.30 */
-    jp_q16 noise_scale; /**< standard deviation of the residuals over the one of jp_learning; ¼…8, slowly adapted */
+    jp_q16 noise_scale; /**< standard deviation of the residuals over the one of jp_learning; ¼…256, slowly adapted */
     uint32_t version;   /**< 0: nothing learned; one more with every segment taken, saturating */
     uint32_t identity;  /**< of the jp_learning that it belongs to */
 };

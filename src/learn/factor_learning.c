@@ -28,6 +28,24 @@ void jp_factors(const struct jp_factor_learning *learning, const struct jp_learn
     }
 }
 
+/** Of a factor, in its deviations. */
+static jp_q24 away_from_one(jp_q16 factor, jp_q16 deviation)
+{
+    return jp_divide((int64_t)(factor - JP_Q16_ONE) * JP_Q24_ONE, deviation);
+}
+
+enum jp_learned jp_factor_update(const struct jp_factor_learning *learning, struct jp_learned_state *state,
+                                 struct jp_learned_watch *watch, const struct jp_expectation *expected, jp_q16 measured)
+{
+    const enum jp_learned learned = jp_learned_state_update(state, watch, learning->memory, expected, measured);
+
+    for (int j = 0; j < N; j++) {
+        state->x[j] = jp_clamp32(state->x[j], away_from_one(JP_FACTOR_MIN, learning->deviation[j]),
+                                 away_from_one(JP_FACTOR_MAX, learning->deviation[j]));
+    }
+    return learned;
+}
+
 void jp_factor_deviations(const struct jp_factor_learning *learning, const struct jp_learned_state *state,
                           jp_q16 deviation[N])
 {

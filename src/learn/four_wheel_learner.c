@@ -68,8 +68,7 @@ enum jp_status jp_four_wheel_learner_update(struct jp_four_wheel_learner *learne
     if (!expect(learner, drive, &expected)) {
         return JP_ERR_OVERFLOW;
     }
-    *learned =
-        jp_learned_state_update(&learner->state, &learner->watch, learner->learning->memory, &expected, measured);
+    *learned = jp_factor_update(learner->learning, &learner->state, &learner->watch, &expected, measured);
     if (*learned == JP_LEARNED_OUTLIER) {
         learner->outliers = jp_one_more32(learner->outliers);
     }

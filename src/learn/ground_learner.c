@@ -204,8 +204,8 @@ enum jp_status jp_ground_learner_update(struct jp_ground_learner *learner, const
     }
     for (unsigned k = FIRST; k < JP_GROUND_CLASSES; k++) {
         if (crosses(change, k)) {
-            const enum jp_learned here = jp_learned_state_update(&learner->states[k], &learner->watches[k],
-                                                                 learner->learning->memory, &legs[k], measured);
+            const enum jp_learned here =
+                jp_factor_update(learner->learning, &learner->states[k], &learner->watches[k], &legs[k], measured);
             count(learner, here);
             most = rank(here) > rank(most) ? here : most;
         }

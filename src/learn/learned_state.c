@@ -18,8 +18,10 @@
 
 /** The scale of the noise follows over twice so many segments. */
 #define NOISE_MEMORY_BITS 6U
-#define NOISE_SCALE_MIN   JP_Q16(0.25)
-#define NOISE_SCALE_MAX   JP_Q16(8)
+/** Of noise that raises the alarm: the root of what three squares in a row have to be in the mean. */
+#define NOISE_STEP      JP_Q16(3.39)
+#define NOISE_SCALE_MIN JP_Q16(0.25)
+#define NOISE_SCALE_MAX JP_Q16(256)
 
 /** P <= I but for rounding, and no history that `memory` allows makes a row shorter than 2⁻¹⁷. */
 static bool is_row(const int32_t row[N])
@@ -156,6 +158,23 @@ static void follow_noise(struct jp_learned_state *state, const struct jp_filter_
     state->noise_scale = jp_clamp32(state->noise_scale + (int32_t)change, NOISE_SCALE_MIN, NOISE_SCALE_MAX);
 }
 
+/** So many segments after a start or a change the next change is less likely than noise beyond what is believed. */
+#define SETTLED (2U * (unsigned)N)
+
+static bool is_settled(const struct jp_learned_state *state, const struct jp_learned_watch *watch)
+{
+    return state->version - watch->before_change.version >= SETTLED;
+}
+
+/** What was learned with so little noise is forgotten. */
+static void believe_in_more_noise(struct jp_learned_state *state)
+{
+    const int32_t more = (int32_t)(((int64_t)state->noise_scale * NOISE_STEP) / JP_Q16_ONE);
+
+    state->noise_scale = jp_clamp32(more, NOISE_SCALE_MIN, NOISE_SCALE_MAX);
+    jp_filter_start(state->s);
+}
+
 static void begin_anew(struct jp_learned_state *state)
 {
     state->noise_scale = state->noise_scale < JP_Q16_ONE ? JP_Q16_ONE : state->noise_scale;
@@ -188,6 +207,10 @@ enum jp_learned jp_learned_state_update(struct jp_learned_state *state, struct j
 
     if (update_alarm(&watch->alarm, square)) {
         watch->alarm = 0;
+        if (!is_settled(state, watch)) {
+            believe_in_more_noise(state);
+            return JP_LEARNED_OUTLIER;
+        }
         watch->before_change = *state;
         begin_anew(state);
         jp_filter_expect(state->s, measurement.h, &step);

@@ -85,8 +85,7 @@ enum jp_status jp_skid_learner_update(struct jp_skid_learner *learner, const str
     if (!expect(learner, drive, &expected)) {
         return JP_ERR_OVERFLOW;
     }
-    *learned = jp_learned_state_update(&learner->state, &learner->watch, learner->learning->factors.memory, &expected,
-                                       measured);
+    *learned = jp_factor_update(&learner->learning->factors, &learner->state, &learner->watch, &expected, measured);
     if (*learned == JP_LEARNED_OUTLIER) {
         learner->outliers = jp_one_more32(learner->outliers);
     }

@@ -32,6 +32,9 @@ enum { N = JP_LEARNING_DIRECTIONS, SEQUENCE = 200 };
 #define DRIFT      2.0
 #define ALARM      28.5
 #define INNOVATION 64
+#define NOISE_MAX  256.0
+#define NOISE_STEP 3.39
+#define SETTLED    8U
 #define LEAST_INFO (1.0 / 64)
 #define NOISE_RATE (1.0 / 128)
 
@@ -170,6 +173,7 @@ struct oracle {
     matrix y; /* information, P⁻¹ */
     double scale;
     double alarm;
+    unsigned since_change;
 };
 
 struct expectation {
@@ -244,6 +248,8 @@ static void oracle_take(struct oracle *oracle, const vector h, double error)
 {
     matrix p;
 
+    oracle->since_change++;
+
     for (int i = 0; i < N; i++) {
         for (int j = 0; j < N; j++) {
             oracle->y[i][j] += h[i] * h[j];
@@ -289,7 +295,14 @@ static enum jp_learned oracle_update(struct oracle *oracle, const struct expecta
 
     oracle->alarm = fmax(0, oracle->alarm + square - DRIFT);
     *near = *near || fabs(fabs(z) - GATE) < NEAR || fabs(oracle->alarm - ALARM) < 4 * NEAR;
+    if (oracle->alarm > ALARM && oracle->since_change < SETTLED) {
+        oracle->alarm = 0;
+        oracle->scale = fmin(NOISE_MAX, oracle->scale * NOISE_STEP);
+        identity(oracle->y);
+        return JP_LEARNED_OUTLIER;
+    }
     if (oracle->alarm > ALARM) {
+        oracle->since_change = 0;
         identity(oracle->y);
         oracle->alarm = 0;
         oracle->scale = fmax(oracle->scale, 1);
@@ -297,7 +310,7 @@ static enum jp_learned oracle_update(struct oracle *oracle, const struct expecta
         return JP_LEARNED_CHANGE;
     }
     memcpy(oracle->y, y, sizeof y);
-    oracle->scale = fmin(8, fmax(0.25, oracle->scale * (1 + (square - 1) / variance * NOISE_RATE)));
+    oracle->scale = fmin(NOISE_MAX, fmax(0.25, oracle->scale * (1 + (square - 1) / variance * NOISE_RATE)));
     oracle_take(oracle, h, copysign(fmin(fabs(error), GATE * sqrt(variance)), error));
     return fabs(z) > GATE ? JP_LEARNED_OUTLIER : JP_LEARNED;
 }

@@ -119,14 +119,14 @@ static void test_only_a_possible_state_is_restored(void)
     STATE_REFUSED(s[3][3], S_ONE + (1 << 21), "state.s");
     STATE_REFUSED(s[2][1], INT32_MIN, "state.s");
     STATE_REFUSED(noise_scale, JP_Q16(0.25) - 1, "state.noise_scale");
-    STATE_REFUSED(noise_scale, JP_Q16(8) + 1, "state.noise_scale");
+    STATE_REFUSED(noise_scale, JP_Q16(256) + 1, "state.noise_scale");
     STATE_REFUSED(identity, LEARNING.identity + 1U, "state.identity");
     STATE_TAKEN(x[0], JP_LEARNED_MAX);
     STATE_TAKEN(x[3], -JP_LEARNED_MAX);
     STATE_TAKEN(s[3][3], 1 << 13);
     STATE_TAKEN(s[3][3], S_ONE + 1);
     STATE_TAKEN(noise_scale, JP_Q16(0.25));
-    STATE_TAKEN(noise_scale, JP_Q16(8));
+    STATE_TAKEN(noise_scale, JP_Q16(256));
     STATE_TAKEN(version, UINT32_MAX);
 }
 
@@ -437,14 +437,53 @@ static void test_a_change_keeps_x_and_begins_anew(void)
 static void test_a_change_keeps_a_larger_noise(void)
 {
     const struct jp_segment_command segment = {{JP_Q24(0.5), 0}, 0, JP_Q16(10)};
+    static const jp_q24 x[N] = {0};
     unsigned outliers = 0;
 
+    (void)drive_as(x, 8);
     learner.state.noise_scale = JP_Q16(3);
     while (drive(&segment, INT32_MAX) == JP_LEARNED_OUTLIER) {
         outliers++;
     }
     TEST_ASSERT_EQUAL_UINT32(2, outliers);
     TEST_ASSERT_TRUE(learner.state.noise_scale >= JP_Q16(3));
+}
+
+/* What the first segments take too much is no change but noise: by so much that the alarm is not raised by it again. */
+static void test_noise_that_is_larger_than_believed(void)
+{
+    static const jp_q24 x[N] = {0};
+    const struct jp_segment_command segment = {{JP_Q24(0.5), 0}, 0, JP_Q16(10)};
+
+    for (unsigned settled = 7; settled <= 8; settled++) {
+        enum jp_learned learned = JP_LEARNED;
+        jp_q16 scale;
+
+        setUp();
+        (void)drive_as(x, settled - 2U);
+        for (unsigned i = 0; i < 3; i++) {
+            scale = learner.state.noise_scale;
+            learned = drive(&segment, INT32_MAX);
+        }
+        TEST_ASSERT_EQUAL(settled == 7U ? JP_LEARNED_OUTLIER : JP_LEARNED_CHANGE, learned);
+        TEST_ASSERT_EQUAL_UINT32(settled == 7U ? 0 : 1, learner.changes);
+        TEST_ASSERT_EQUAL_UINT32(settled == 7U ? 7 : 9, learner.state.version);
+        TEST_ASSERT_EQUAL_INT32(0, learner.watch.alarm);
+        TEST_ASSERT_EQUAL(settled == 7U, learner.state.s[0][0] == S_ONE);
+        TEST_ASSERT_INT32_WITHIN(JP_Q16(0.05), settled == 7U ? jp_q16_multiply(scale, JP_Q16(3.39)) : scale,
+                                 learner.state.noise_scale);
+    }
+}
+
+static void test_noise_has_a_limit(void)
+{
+    const struct jp_segment_command segment = {{JP_Q24(0.5), 0}, 0, JP_Q16(10)};
+
+    learner.state.noise_scale = JP_Q16(255);
+    for (unsigned i = 0; i < 4; i++) {
+        (void)drive(&segment, i % 2U == 0U ? INT32_MAX : INT32_MIN);
+        TEST_ASSERT_TRUE(learner.state.noise_scale <= JP_Q16(256));
+    }
 }
 
 /* A table whose x tells ground and payload well. */

@@ -214,9 +214,27 @@ static void test_outliers_and_changes_are_counted(void)
     TEST_ASSERT_EQUAL_INT(JP_LEARNED_OUTLIER, learn(2 * (jp_q16)drive_on(&model).energy));
     TEST_ASSERT_EQUAL_UINT32(1, learner.outliers);
     TEST_ASSERT_EQUAL_UINT32(0, learner.changes);
-    drive_as(rough, 60);
+    drive_as(rough, 200);
     TEST_ASSERT_TRUE(learner.changes >= 1U);
     expect_factors(rough, JP_Q16(0.06));
+}
+
+/* Legs that take hardly anything would have a factor beyond its bound; from there it comes back at once. */
+static void test_x_stays_where_its_factor_is(void)
+{
+    const jp_q24 bound = jp_divide((int64_t)(JP_FACTOR_MIN - JP_Q16_ONE) * JP_Q24_ONE, config.factors.deviation[0]);
+
+    for (int i = 0; i < 30; i++) {
+        draw_leg();
+        (void)learn(1);
+        for (int j = 0; j < (int)N; j++) {
+            const int64_t away = (int64_t)learner.state.x[j] * config.factors.deviation[j];
+
+            TEST_ASSERT_TRUE(away >= (int64_t)(JP_FACTOR_MIN - JP_Q16_ONE - 1) * JP_Q24_ONE);
+            TEST_ASSERT_TRUE(away <= (int64_t)(JP_FACTOR_MAX - JP_Q16_ONE + 1) * JP_Q24_ONE);
+        }
+    }
+    TEST_ASSERT_INT32_WITHIN(2, bound, learner.state.x[0]);
 }
 
 /* ---- States ---- */
