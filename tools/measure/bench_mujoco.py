@@ -39,11 +39,13 @@ PAYLOAD = 0.2       # of the body
 PUSH_SECONDS = 0.05
 
 SEGMENTS, LEARNED = 26, 20  # of a route that learns, and those before it has learned
-WORLDS = 1                  # with such routes, of each robot
+WORLDS = 4                  # with such routes, of each robot
 SEGMENT_SECONDS = (4.0, 6.0)
 TURN = 80.0                 # ° from a segment to the next at most, and limits.turn_deg
 
-COURSES, LEARNED_COURSES = 12, 6  # over a map, and those before it has learned
+# As many after it has learned as it takes to tell 93 % from 97 %.
+COURSES, LEARNED_COURSES = 46, 6  # over a map, and those before it has learned
+PATROL_COURSES = 60               # of the patrol robot in a hall, which has learned after LEARNED
 COURSE_SECONDS = 10.0             # from the middle of the map to its edge
 HALL, HALL_CELL, HALL_BOXES, HALL_BOX = (16.0, 12.0), 0.05, 8, (0.3, 1.0)  # m; of the patrol robot
 PUSHES = (0.25, 0.5, 0.75)        # of what the robot takes in our world
@@ -240,7 +242,7 @@ def patrol(task):
     forecasts, failure = Forecasts("EnergyDrawn"), None
     with Drive(robot, conditions_now, watch=forecasts, place=(cell_map, start)) as drive:
         try:
-            for _ in range(SEGMENTS):
+            for _ in range(PATROL_COURSES):
                 drive.stand()
                 forecasts.begin(drive.operator.state)
                 column, row = free_cell(draw, cell_map.cells, room)
@@ -291,8 +293,7 @@ def tasks():
         for seed in range(1, WORLDS + 1):
             yield "learn", name, f"seed {seed}", random_conditions(robot, seed), random_route(robot, seed), ()
         if name in NAVIGATORS:
-            for seed in range(1, WORLDS + 1):
-                yield "navigate", name, f"seed {seed}", random_conditions(robot, seed), seed, ()
+            yield "navigate", name, "seed 1", random_conditions(robot, 1), 1, ()
     weight = load_robot(PATROL).number("body.mass_kg")
     for seed, (case, conditions_now) in enumerate({"level": Conditions(), "payload": Conditions(payload=PAYLOAD * weight),
                                                    "slope": Conditions(Ground(math.radians(PATROL_SLOPE)))}.items(), start=1):
@@ -328,8 +329,8 @@ def drive_figures(rows):
     yield figure("cases of slopes, steps, slippery ground, poor parts and payloads", len(cases))
     yield figure("of those, not driven", sum(row["failure"] is not None for row in cases), "", none())
     patrols = [row for row in rows if row["kind"] == "patrol"]
-    yield figure("courses of the patrol robot in halls with boxes", SEGMENTS * len(patrols))
-    yield figure("of those courses, not driven", sum(SEGMENTS - len(row["courses"]) for row in patrols), "", none())
+    yield figure("courses of the patrol robot in halls with boxes", PATROL_COURSES * len(patrols))
+    yield figure("of those courses, not driven", sum(PATROL_COURSES - len(row["courses"]) for row in patrols), "", none())
     yield figure("falls in all drives", sum(row["fell"] for row in rows if row["kind"] != "push"), "", none())
     yield figure("pushes that our world's robots take, and these do not", sum(row["failure"] is not None for row in pushes),
                  "", none())
