@@ -408,8 +408,8 @@ static bool take_result(struct jp_ecu *ecu, struct jp_can_frame *frame)
 
     const struct jp_can_segment_result_t signals = {
         .segment = jp_signal_count8(result.segment),
-        .spent = (uint32_t)jp_clamp32(jp_energy_to_q16(result.spent, 0), 0, 2 * limit - 1),
-        .drawn = jp_clamp32(jp_energy_to_q16(result.drawn, 0), -limit, limit - 1),
+        .spent = (uint32_t)jp_clamp32(jp_energy_to_q16(result.spent, JP_SEGMENT_RESULT_EXPONENT), 0, 2 * limit - 1),
+        .drawn = jp_clamp32(jp_energy_to_q16(result.drawn, JP_SEGMENT_RESULT_EXPONENT), -limit, limit - 1),
     };
 
     blank(frame);

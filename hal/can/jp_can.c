@@ -3972,7 +3972,7 @@ bool jp_can_segment_result_spent_is_in_range(uint32_t value)
 
 bool jp_can_segment_result_spent_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 4095.999984741211));
+    return ((value >= 0.0) && (value <= 65535.999755859375));
 }
 
 bool jp_can_segment_result_drawn_is_in_range(int32_t value)
@@ -3982,7 +3982,7 @@ bool jp_can_segment_result_drawn_is_in_range(int32_t value)
 
 bool jp_can_segment_result_drawn_is_in_phys_range(double value)
 {
-    return ((value >= -2048.0) && (value <= 2047.999984741211));
+    return ((value >= -32768.0) && (value <= 32767.999755859375));
 }
 
 int jp_can_energy_parameter_pack(

@@ -2374,8 +2374,8 @@ struct jp_can_segment_result_t {
     /**
      * As EnergySpent counts.
      *
-     * Range: 0..268435455 (0..4095.99998 J)
-     * Scale: 1.52587890625e-05
+     * Range: 0..268435455 (0..65535.99976 J)
+     * Scale: 0.000244140625
      * Offset: 0
      */
     uint32_t spent;
@@ -2383,8 +2383,8 @@ struct jp_can_segment_result_t {
     /**
      * As EnergyDrawn counts.
      *
-     * Range: -134217728..134217727 (-2048..2047.99998 J)
-     * Scale: 1.52587890625e-05
+     * Range: -134217728..134217727 (-32768..32767.99976 J)
+     * Scale: 0.000244140625
      * Offset: 0
      */
     int32_t drawn;

@@ -44,6 +44,9 @@ enum jp_sample_part { JP_SAMPLE_WHEELS, JP_SAMPLE_BALANCE, JP_SAMPLE_CURRENTS, J
 /** Bits of the encoder counts that a sample carries. */
 #define JP_SAMPLE_COUNT_BITS 22U
 
+/** Energies of SegmentResult are in Q16 of 2⁴ J. */
+#define JP_SEGMENT_RESULT_EXPONENT 4
+
 /** MotorCommand. */
 void jp_message_from_actuation(struct jp_can_frame *frame, uint8_t *counter, const struct jp_actuation *actuation);
 

@@ -2,10 +2,12 @@
 #ifndef JOULEPATH_SIM_BUS_ECU_VIEW_H
 #define JOULEPATH_SIM_BUS_ECU_VIEW_H
 
+#include <math.h>
 #include <stdbool.h>
 
 #include "hal/can/can.h"
 #include "hal/can/jp_can.h"
+#include "hal/can/messages.h"
 
 struct ecu_view {
     struct jp_can_ecu_status_t status;
@@ -41,6 +43,12 @@ struct ecu_view {
     bool left_told;       /**< event: NavigationProgress came */
     bool leg_told;        /**< event: CourseLeg came */
 };
+
+/** J of an energy of a segment_result. */
+static inline double segment_joules(int64_t energy)
+{
+    return ldexp((double)energy, JP_SEGMENT_RESULT_EXPONENT - 16);
+}
 
 /** Takes a frame; those of others, and of a wrong length, are ignored. */
 void ecu_view_accept(struct ecu_view *view, const struct jp_can_frame *frame);

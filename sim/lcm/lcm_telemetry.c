@@ -257,7 +257,7 @@ static void take_segment_result(struct lcm_telemetry *telemetry, uint64_t time_u
     const double forecast = result->segment >= 1U && result->segment <= telemetry->planned
                                 ? telemetry->segments[result->segment - 1U].energy
                                 : NAN;
-    const double measured = value(result->spent, 16);
+    const double measured = segment_joules(result->spent);
 
     if (telemetry->ended >= LCM_SEGMENTS_MAX) {
         return;
@@ -265,7 +265,7 @@ static void take_segment_result(struct lcm_telemetry *telemetry, uint64_t time_u
     telemetry->residuals[telemetry->ended] = (jp_residual_t){
         .segment = result->segment, .forecast = forecast, .measured = measured, .residual = forecast - measured};
     telemetry->ended++;
-    telemetry->last_drawn = value(result->drawn, 16);
+    telemetry->last_drawn = segment_joules(result->drawn);
     publish_energy(telemetry, &telemetry->result_due_us, time_us);
     if (knows_parameters(telemetry)) {
         publish_identification(telemetry, time_us);

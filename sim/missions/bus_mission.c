@@ -206,8 +206,9 @@ static void end_leg(struct run *run)
 
     struct mission_leg *leg = &mission->legs[run->leg];
 
-    leg->battery_energy = segment->drawn / Q16_ONE;
-    leg->measured_energy = run->scenario->energy == ENERGY_BATTERY ? leg->battery_energy : segment->spent / Q16_ONE;
+    leg->battery_energy = segment_joules(segment->drawn);
+    leg->measured_energy =
+        run->scenario->energy == ENERGY_BATTERY ? leg->battery_energy : segment_joules(segment->spent);
     close_leg(run, leg);
     run->leg++;
 }

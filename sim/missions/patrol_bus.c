@@ -87,7 +87,7 @@ static void take_events(struct run *run)
         run->bus->forecast_j = view->segment_forecast.energy / Q16_ONE;
     }
     if (view->segment_ended) {
-        run->bus->metered_j = view->segment_result.drawn / Q16_ONE;
+        run->bus->metered_j = segment_joules(view->segment_result.drawn);
     }
     if (view->left_told && run->bus->deviation_j <= 0) {
         run->bus->deviation_j = view->left.deviation / 8.0;

@@ -172,7 +172,7 @@ static void test_plans_results_and_residuals(void)
     TEST_ASSERT_EQUAL_DOUBLE(19.5, identification.motor_resistance);
     TEST_ASSERT_EQUAL_INT(0, identification.segment_count);
     put_plan(2, JP_Q16(50));
-    PUT(SEGMENT_RESULT, segment_result, .segment = 1, .spent = (uint32_t)JP_Q16(101.5), .drawn = -JP_Q16(2));
+    PUT(SEGMENT_RESULT, segment_result, .segment = 1, .spent = (uint32_t)JP_Q16(101.5) / 16, .drawn = -JP_Q16(2) / 16);
     pass();
     TEST_ASSERT_EQUAL_UINT(2, identifications);
     TEST_ASSERT_EQUAL_INT(1, identification.segment_count);
@@ -207,7 +207,7 @@ static void test_lost_frames_of_a_plan_show_as_unknown(void)
     TEST_ASSERT_DOUBLE_IS_NAN(plan.segments[2].turn);
     TEST_ASSERT_DOUBLE_IS_NAN(plan.segments[3].speed);
     TEST_ASSERT_EQUAL_DOUBLE(30, plan.segments[3].energy);
-    PUT(SEGMENT_RESULT, segment_result, .segment = 9, .spent = 65536);
+    PUT(SEGMENT_RESULT, segment_result, .segment = 9, .spent = 4096);
     pass();
     TEST_ASSERT_EQUAL_INT(9, energy.segment);
     TEST_ASSERT_DOUBLE_IS_NAN(energy.segment_forecast);
@@ -218,8 +218,8 @@ static void test_segment_numbers_and_parameters_out_of_range(void)
     put_plan(0, JP_Q16(1));
     put_plan(255, JP_Q16(1));
     for (int i = 0; i < 300; i++) {
-        PUT(SEGMENT_RESULT, segment_result, .segment = 255, .spent = 65536);
-        PUT(SEGMENT_RESULT, segment_result, .segment = 0, .spent = 65536);
+        PUT(SEGMENT_RESULT, segment_result, .segment = 255, .spent = 4096);
+        PUT(SEGMENT_RESULT, segment_result, .segment = 0, .spent = 4096);
         pass();
     }
     for (unsigned i = 0; i < 256; i++) {

@@ -324,7 +324,16 @@ static void test_a_result_is_told_once(void)
     telemetry->segments_ended = 1;
     telemetry->segment_energy_model = -1;
     telemetry->segment_energy_battery = (jp_energy)-3 * 65536 * 65536;
-    EXPECT_FRAME(0x18D, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0xD0, 0xFF);
+    EXPECT_FRAME(0x18D, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0xFD, 0xFF);
+}
+
+/* In 1/4096 J, so that legs of minutes fit. */
+static void test_a_result_of_kilojoules(void)
+{
+    telemetry->segments_ended = 1;
+    telemetry->segment_energy_model = (jp_energy)5000 * 65536 * 65536;
+    telemetry->segment_energy_battery = (jp_energy)5000 * 65536 * 65536;
+    EXPECT_FRAME(0x18D, 0x01, 0x00, 0x80, 0x38, 0x01, 0x00, 0x88, 0x13);
 }
 
 /* The schedule */
