@@ -12,10 +12,11 @@
  *      └───────── asked, failed ───────┘  └──── follow, turn ───┘
  *
  * A leg leads to a target: a turn on the spot, where its line has another heading, and the line. Where its corners are
- * rounded it begins and ends in the middle of their arcs. A route is planned whole, from where the robot stands, before
- * it is driven; one that replaces another makes the robot brake to a stand first. Until the pilot rests, nothing else
- * may hand the robot commands or paths: a jp_skid_robot_stop() in the middle of a route, a fault or a disable ends it
- * with JP_ERR_STATE; jp_skid_pilot_stop() always ends it.
+ * rounded it begins and ends in the middle of their arcs. Their radius is twice the model's half track or more: the
+ * inner side keeps rolling forward, for tyres that stand or go back among others that drive hop. A route is planned
+ * whole, from where the robot stands, before it is driven; one that replaces another makes the robot brake to a stand
+ * first. Until the pilot rests, nothing else may hand the robot commands or paths: a jp_skid_robot_stop() in the middle
+ * of a route, a fault or a disable ends it with JP_ERR_STATE; jp_skid_pilot_stop() always ends it.
  *
  * A leg's energy is counted from the call of jp_skid_pilot_work() that sees it begin to the one that sees it end, so
  * that what passes between a leg's end and that call is counted to the next leg. Of legs that end between two calls
