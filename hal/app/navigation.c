@@ -39,7 +39,8 @@ static struct jp_home *home_of(const struct jp_navigation *navigation)
     return navigation->home_status == JP_OK ? navigation->config.home->home : NULL;
 }
 
-/** To where the robot was switched on. Without it the robot drives all the same. */
+/** To where the robot was switched on, with what drives on other maps have taught. Without it the robot drives all the
+ *  same. */
 static enum jp_status prepare_home(struct jp_navigation *navigation, const struct jp_terrain *map,
                                    const struct jp_place *origin)
 {
@@ -62,8 +63,11 @@ static enum jp_status prepare_home(struct jp_navigation *navigation, const struc
                                           .slice = JP_NAVIGATION_HOME_SLICE,
                                           .block = home->block,
                                           .size = home->size};
+    const struct jp_home_learned learned = home->home->learned;
+    const enum jp_status status = jp_home_init(home->home, &config, &field);
 
-    return jp_home_init(home->home, &config, &field);
+    home->home->learned = learned;
+    return status;
 }
 
 /* The navigator on a lattice finds the way. */
@@ -296,6 +300,9 @@ enum jp_status jp_navigation_init(struct jp_navigation *navigation, const struct
     navigation->config = *config;
     navigation->vehicle = *vehicle;
     navigation->unit_exponent = unit_exponent;
+    if (config->home != NULL) {
+        config->home->home->learned = jp_home_learned_new;
+    }
     return JP_OK;
 }
 

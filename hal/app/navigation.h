@@ -51,7 +51,7 @@ extern "C" {
 
 /** The way home, to where the robot was switched on. */
 struct jp_navigation_home {
-    struct jp_home *home; /**< the caller's memory, as the next three */
+    struct jp_home *home; /**< the caller's memory, as the next three; what drives have taught stays as maps change */
     void *block;          /**< jp_home_size() bytes of the largest map whose way home shall be known, aligned to 8 */
     size_t size;
     struct jp_course_leg *legs;

@@ -128,6 +128,23 @@ static struct jp_can_home_battery_t told_battery(void)
     return status;
 }
 
+/* What drives take is of the robot, not of a map. */
+static void test_what_drives_have_taught_stays_when_maps_change(void)
+{
+    const struct jp_home_learned learned = {{JP_Q16(1.2), JP_Q16(0.05), JP_Q16(0.3)},
+                                            {JP_Q16(1.1), JP_Q16(0.04), JP_Q16(0.2)}};
+
+    make();
+    TEST_ASSERT_EQUAL_MEMORY(&jp_home_learned_new, &home.learned, sizeof learned);
+    home.learned = learned;
+    for (uint8_t id = 2; id <= 3; id++) {
+        sent.id = id;
+        send_map();
+        TEST_ASSERT_EQUAL_UINT8(id, navigation.maps.id);
+        TEST_ASSERT_EQUAL_MEMORY(&learned, &home.learned, sizeof learned);
+    }
+}
+
 static void expect_nothing_known(enum jp_home_told state)
 {
     const struct jp_can_home_status_t status = told();
