@@ -54,14 +54,25 @@ static inline void move_robot(void)
     (void)jp_planner_set_start(&planner, &pose); /* where it does not fit it stays */
 }
 
+static inline void look_at_states(void)
+{
+    if (is_search_at_rest()) {
+        expect_sound_states();
+    }
+}
+
+static inline void end_search(void)
+{
+    expect_true_answer(finish());
+    look_at_states();
+}
+
 static inline void work_a_while(void)
 {
     for (uint32_t i = pick(SLICES); i > 0; i--) {
         (void)jp_planner_work(&planner, 1 + pick(3));
     }
-    if (is_search_at_rest()) {
-        expect_sound_states();
-    }
+    look_at_states();
     const enum jp_answer answer = jp_planner_work(&planner, 0);
     if (answer != JP_ANSWER_OUT_OF_BUDGET) {
         expect_true_answer(answer);
@@ -81,10 +92,10 @@ static inline void plan_on_a_changing_map(void)
         }
         work_a_while();
         if (pick(2) == 0) {
-            expect_true_answer(finish());
+            end_search();
         }
     }
-    expect_true_answer(finish());
+    end_search();
 }
 
 #endif

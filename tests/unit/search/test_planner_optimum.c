@@ -17,7 +17,7 @@ static void test_by_the_guide_and_the_bound(void)
 {
     start_planner(PLANNER_BYTES);
     plan_on_a_changing_map();
-    TEST_ASSERT_TRUE(jp_planner_plan(&planner)->answer != JP_ANSWER_OUT_OF_BUDGET);
+    TEST_ASSERT_TRUE(answers[JP_ANSWER_OPTIMAL] > 5 && answers[JP_ANSWER_WITHIN_BOUND] > 0 && looks_at_states > 5);
 }
 
 static void test_by_the_bound_alone(void)

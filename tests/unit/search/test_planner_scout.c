@@ -311,10 +311,10 @@ static void test_dear_splice_is_given_up(void)
 
 static void test_scout_on_a_changing_map(void)
 {
-    for (seed = 20; seed != 0 && looks_at_states < 20;) {
+    for (int i = 0; i < 4; i++) {
         make_level_map(&map);
         start_with_scout();
         plan_on_a_changing_map();
     }
-    TEST_ASSERT_TRUE(answers[JP_ANSWER_OPTIMAL] > 20 && answers[JP_ANSWER_WITHIN_BOUND] > 2);
+    TEST_ASSERT_TRUE(answers[JP_ANSWER_OPTIMAL] > 20 && answers[JP_ANSWER_WITHIN_BOUND] > 2 && looks_at_states > 20);
 }
