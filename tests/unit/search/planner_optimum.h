@@ -187,6 +187,18 @@ static inline bool must_wait(const struct jp_planner_state *state, const struct 
                                             : state->closed && state->g > state->rhs;
 }
 
+/** Costs that fall wait behind those that have risen, by a bucket, and with the search's own heuristic. */
+static inline uint32_t key_of(const struct jp_planner_state *state, const struct jp_lattice_pose *pose)
+{
+    const struct jp_planner_search *search = &planner.internal.search;
+    const uint32_t heuristic = jp_search_heuristic(&planner.internal, pose);
+
+    if (state->g < state->rhs) {
+        return (uint32_t)state->g + (search->is_exact ? heuristic : 0U);
+    }
+    return (uint32_t)state->rhs + heuristic * search->epsilon / JP_EPSILON_ONE + (UINT32_C(1) << search->bucket_shift);
+}
+
 static inline uint32_t expect_true_lists(void)
 {
     const struct jp_planner_search *search = &planner.internal.search;
@@ -236,6 +248,11 @@ static inline void expect_sound_states(void)
         TEST_ASSERT_EQUAL_INT(state->g != state->rhs && !must_wait(state, &pose), state->queued);
         count++;
         queued += state->queued;
+        if (state->queued && planner.internal.phase == JP_PLANNER_SEARCH) {
+            const uint32_t bucket = key_of(state, &pose) >> search->bucket_shift;
+            TEST_ASSERT_EQUAL_UINT32(bucket < search->bucket_count ? bucket : search->bucket_count - 1U,
+                                     (uint32_t)state->bucket);
+        }
     }
     TEST_ASSERT_EQUAL_UINT32(count, search->state_count);
     TEST_ASSERT_EQUAL_UINT32(queued, expect_true_lists());
