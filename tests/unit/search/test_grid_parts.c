@@ -184,7 +184,7 @@ static void test_steps_cost_what_lines_do(void)
     map = (struct jp_terrain_config){.width = 11, .height = 11, .resolution = CELL, .has_elevation = true};
     make_level_map(&map);
     raise_map(slanted);
-    for (unsigned i = 0; i < JP_GRID_GRADES; i++) {
+    for (int i = 0; i < (int)JP_GRID_GRADES; i++) {
         prices.slope[i] = (jp_q16)((i < 16 ? 2 * (16 - i) : i - 16) * (METRE / 4));
     }
     memset(prices.near, 0, sizeof prices.near);
