@@ -350,3 +350,14 @@ static void test_small_slices_take_as_many_units(void)
     TEST_ASSERT_UINT32_WITHIN(64, units, units_in_slices(1));
     TEST_ASSERT_UINT32_WITHIN(64, units, units_in_slices(29));
 }
+
+/* What it takes to turn there is not what it takes to turn back. */
+static void test_turns_have_a_direction(void)
+{
+    turns.cost[0][4] = 1000;
+    turns.cost[4][0] = 3000;
+    grow(JP_GUIDE_FROM_ROOT, &west);
+    TEST_ASSERT_EQUAL_UINT32(1000, estimate(west.x, west.y, 4));
+    grow(JP_GUIDE_TO_ROOT, &west);
+    TEST_ASSERT_EQUAL_UINT32(3000, estimate(west.x, west.y, 4));
+}

@@ -810,3 +810,42 @@ static void test_wheels_of_both_sides_count_alike(void)
         TEST_ASSERT_EQUAL_UINT32(400, jp_lattice_energy(&copy, JP_COST_PHYSICAL, &terrain, &turn, 4, 4));
     }
 }
+
+/* Each kind of move of each kind of cost is looked at, and its limits are within. */
+static void test_check_of_every_move_cost(void)
+{
+    for (int kind = 0; kind < JP_COST_KINDS; kind++) {
+        for (int move = 0; move < JP_MOVE_KINDS; move++) {
+            copy.move_costs[kind][move].floor = 0;
+            expect_bad("move_costs");
+        }
+    }
+    struct jp_slope_cost cost = {.climb = {65536, 0, 0}, .descend = {65536, 0, 0}, .rise_max = 4096, .floor = 1};
+    TEST_ASSERT_TRUE(jp_slope_cost_is_valid(&cost));
+    cost.rise_max = 1;
+    TEST_ASSERT_TRUE(jp_slope_cost_is_valid(&cost));
+}
+
+/* Along the other axis as along the first: the cells of the moves are those that the robot drives over. */
+static void test_costs_of_cells_along_both_axes(void)
+{
+    static const uint8_t steps[][2] = {{0, 0}, {4, 4}};
+
+    make_grounds();
+    copy.sides[0] = (struct jp_cell_offset){0, 0};
+    copy.sides[4] = copy.sides[0];
+    for (int axis = 0; axis < 2; axis++) {
+        const struct jp_primitive way = {.start = (uint8_t)(4 * axis), .base = {8, 8, 8}, .move_count = 2};
+        copy.moves = steps[axis];
+        const uint32_t step = jp_move_cost(&copy.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS], 0);
+        for (int32_t i = 0; i < 4; i++) {
+            const int32_t x = axis == 0 ? 2 + i : 2;
+            const int32_t y = axis == 0 ? 2 : 2 + i;
+            put_ground(x, y, GRASS);
+            const uint32_t more = i == 0 || i == 2 ? step / 2 : (i == 1 ? step / 2 + step / 2 : 0);
+            const jp_cost cost = jp_lattice_energy(&copy, JP_COST_PHYSICAL, &terrain, &way, 2, 2);
+            TEST_ASSERT_UINT32_WITHIN(2, 2 * step + more + (i < 3 ? 3 * 8 : 8), cost);
+            put_ground(x, y, 0);
+        }
+    }
+}

@@ -640,6 +640,21 @@ static void test_wheels_of_a_core_without_sides(void)
     }
 }
 
+/* Also by the least that a factor may be above one. */
+static void test_turning_rounds_up_by_the_least_factor(void)
+{
+    const char *field = "";
+    const struct jp_tariff_factors least = {.straight = JP_Q16_ONE, .mass = JP_Q16_ONE, .turning = JP_Q16_ONE + 1};
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_factors(&tariff, balancer, &least, &field));
+    for (unsigned i = 0; i < balancer->first_from[JP_HEADINGS]; i++) {
+        const uint16_t base = balancer->primitives[i].base[JP_COST_PHYSICAL];
+        if (balancer->primitives[i].start != balancer->primitives[i].end) {
+            TEST_ASSERT_EQUAL_UINT32(base + (base > 0 ? 1 : 0), primitives[i].base[JP_COST_PHYSICAL]);
+        }
+    }
+}
+
 static void test_prices_of_grounds_that_are_refused(void)
 {
     const char *field = "";

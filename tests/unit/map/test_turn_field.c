@@ -380,3 +380,13 @@ static void test_small_slices_take_as_many_looks(void)
     TEST_ASSERT_UINT32_WITHIN(16, looks, looks_in_slices(13));
     TEST_ASSERT_UINT32_WITHIN(16, looks, looks_in_slices(13)); /* nothing is owed from the time before */
 }
+
+/* Whatever was in its memory before. */
+static void test_begins_in_any_memory(void)
+{
+    memset(&field, 0xA5, sizeof field);
+    memset(block, 0xA5, sizeof block);
+    init(scales[0]);
+    start_and_grow();
+    expect_exact();
+}

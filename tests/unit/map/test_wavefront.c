@@ -438,3 +438,19 @@ static void test_empty_rows_take_budget(void)
     TEST_ASSERT_EQUAL_INT(ROWS - 1, first + y); /* the other one */
     TEST_ASSERT_EQUAL_UINT32(98 - ROWS / 128, cells);
 }
+
+/* Of rows that are wider than what is cleared at once, one. */
+static void test_wide_rows_are_cleared(void)
+{
+    enum { WIDE = 400 };
+    static uint64_t rows[(2 * WIDE * 2 + 2 * 52 + 16) / 8];
+
+    TEST_ASSERT_TRUE(jp_wavefront_size(WIDE, 2, JP_WAVE_2_BYTES) <= sizeof rows);
+    jp_wavefront_init(&wave, WIDE, 2, JP_WAVE_2_BYTES, rows);
+    jp_wavefront_start(&wave, 1, 0, 0);
+    for (int i = 0; i < 2; i++) {
+        TEST_ASSERT_FALSE(jp_wavefront_is_clear(&wave));
+        jp_wavefront_clear(&wave);
+    }
+    TEST_ASSERT_TRUE(jp_wavefront_is_clear(&wave));
+}
