@@ -361,3 +361,12 @@ static void test_turns_have_a_direction(void)
     grow(JP_GUIDE_TO_ROOT, &west);
     TEST_ASSERT_EQUAL_UINT32(3000, estimate(west.x, west.y, 4));
 }
+
+/* Whatever was in its memory before. */
+static void test_begins_in_any_memory(void)
+{
+    memset(&guide, 0xA5, sizeof guide);
+    init(2);
+    grow(JP_GUIDE_FROM_ROOT, &west);
+    TEST_ASSERT_UINT32_WITHIN(2 * AXIS_COST, 8 * AXIS_COST, estimate(12, 8, 0));
+}

@@ -849,3 +849,18 @@ static void test_costs_of_cells_along_both_axes(void)
         }
     }
 }
+
+/* Every primitive is looked at, the first and the last: each sweeps its end, which is not among its first cells. */
+static void test_check_of_the_ends_of_every_primitive(void)
+{
+    unsigned cut = 0;
+
+    for (unsigned i = 0; i < count_of(&copy); i += 11) {
+        if (copy.primitives[i].dy > 0 && copy.primitives[i].span_count > 1) {
+            primitives[i].span_count = 1;
+            expect_bad("spans");
+            cut++;
+        }
+    }
+    TEST_ASSERT_TRUE(cut > 3);
+}
