@@ -78,6 +78,12 @@ static void test_across_it_fits_by_its_own_sides(void)
     occupy(CENTRE, CENTRE);
     TEST_ASSERT_TRUE(is_clear(20000 - 4244, 20500, diagonal, 3000, 3000));
     TEST_ASSERT_FALSE(is_clear(20000 - 4241, 20500, diagonal, 3000, 3000));
+    TEST_ASSERT_TRUE(is_clear(21000 + 4244, 20500, diagonal, 3000, 3000));
+    TEST_ASSERT_FALSE(is_clear(21000 + 4241, 20500, diagonal, 3000, 3000));
+    TEST_ASSERT_TRUE(is_clear(20500, 20000 - 4244, diagonal, 3000, 3000));
+    TEST_ASSERT_FALSE(is_clear(20500, 20000 - 4241, diagonal, 3000, 3000));
+    TEST_ASSERT_TRUE(is_clear(20500, 21000 + 4244, diagonal, 3000, 3000));
+    TEST_ASSERT_FALSE(is_clear(20500, 21000 + 4241, diagonal, 3000, 3000));
     TEST_ASSERT_TRUE(is_clear(20000 - 2122, 20000 - 2122, diagonal, 3000, 9000));
     TEST_ASSERT_FALSE(is_clear(20000 - 2120, 20000 - 2120, diagonal, 3000, 9000));
     TEST_ASSERT_TRUE(is_clear(21000 + 2122, 20000 - 2122, diagonal, 9000, 3000));

@@ -299,3 +299,74 @@ static void test_a_loan_changes_nothing_but_the_time(void)
     }
     TEST_ASSERT_EQUAL_UINT32(0x5A5A5A5AU, loan[SIDE]);
 }
+
+/* The rows of the loan are looked at anew whenever the guide begins: the map may have changed. */
+static void test_a_loan_shows_the_map_as_it_is(void)
+{
+    static uint32_t loan[SIDE];
+
+    grow_with(loan, JP_GUIDE_FROM_ROOT, 100);
+    const jp_cost before = estimate(12, 8, 0);
+    for (int32_t y = 0; y < SIDE; y++) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_cell(&terrain, 8, y, JP_CELL_OCCUPIED));
+    }
+    grow_with(loan, JP_GUIDE_FROM_ROOT, 100);
+    TEST_ASSERT_TRUE(estimate(12, 8, 0) > before);
+    TEST_ASSERT_FALSE(jp_guide_field_reaches(&guide, 12, 8));
+}
+
+/* Straight steps cost what the lattice says of each kind of cost. */
+static void test_each_kind_of_cost(void)
+{
+    for (int kind = 0; kind < JP_COST_KINDS; kind++) {
+        const jp_cost step = jp_move_cost(&lattice->move_costs[kind][JP_MOVE_AXIS], 0);
+        jp_lattice_turns(lattice, (enum jp_cost_kind)kind, &turns);
+        jp_guide_field_init(&guide, lattice, (enum jp_cost_kind)kind, &terrain, &turns, 1, block);
+        grow(JP_GUIDE_FROM_ROOT, &west);
+        TEST_ASSERT_UINT32_WITHIN(8 << guide.shift, 8 * step, estimate(12, 8, 0));
+    }
+}
+
+static uint32_t units_in_slices(unsigned slice)
+{
+    uint32_t units = slice;
+    unsigned left = slice;
+
+    jp_guide_field_start(&guide, JP_GUIDE_FROM_ROOT, &west, 12, 12);
+    while (!jp_guide_field_grow(&guide, &left)) {
+        TEST_ASSERT_EQUAL_UINT32(0, left);
+        units += slice;
+        left = slice;
+    }
+    return units - left;
+}
+
+/* As much work in small slices as in one, but for a step of the wave. */
+static void test_small_slices_take_as_many_units(void)
+{
+    const uint32_t units = units_in_slices(UINT32_MAX / 4);
+
+    TEST_ASSERT_TRUE(units > 1000);
+    TEST_ASSERT_UINT32_WITHIN(64, units, units_in_slices(1));
+    TEST_ASSERT_UINT32_WITHIN(64, units, units_in_slices(29));
+}
+
+/* What it takes to turn there is not what it takes to turn back. */
+static void test_turns_have_a_direction(void)
+{
+    turns.cost[0][4] = 1000;
+    turns.cost[4][0] = 3000;
+    grow(JP_GUIDE_FROM_ROOT, &west);
+    TEST_ASSERT_EQUAL_UINT32(1000, estimate(west.x, west.y, 4));
+    grow(JP_GUIDE_TO_ROOT, &west);
+    TEST_ASSERT_EQUAL_UINT32(3000, estimate(west.x, west.y, 4));
+}
+
+/* Whatever was in its memory before. */
+static void test_begins_in_any_memory(void)
+{
+    memset(&guide, 0xA5, sizeof guide);
+    init(2);
+    grow(JP_GUIDE_FROM_ROOT, &west);
+    TEST_ASSERT_UINT32_WITHIN(2 * AXIS_COST, 8 * AXIS_COST, estimate(12, 8, 0));
+}

@@ -756,3 +756,111 @@ static void test_headings_are_those_of_the_unit_steps(void)
         }
     }
 }
+
+/* Where the parts of a factor take each other away it fits, though each alone is near the end of the format. */
+static void test_parts_of_a_move_cost_that_cancel(void)
+{
+    struct jp_slope_cost cost = copy.move_costs[JP_COST_PAPER][JP_MOVE_DIAGONAL];
+
+    cost.rise_max = 1;
+    cost.bend = 0;
+    cost.descend = (struct jp_polynomial){65536, 0, 0};
+    cost.climb = (struct jp_polynomial){65536, -2000000000, 2000000000};
+    TEST_ASSERT_TRUE(jp_slope_cost_is_valid(&cost));
+    cost.climb.linear = 2000000000;
+    TEST_ASSERT_FALSE(jp_slope_cost_is_valid(&cost));
+}
+
+/* Along an axis that is the cheapest way the bound of level ground is what driving costs. */
+static void test_straight_bound_along_an_axis_is_tight(void)
+{
+    struct jp_lattice even = jp_lattice_zhang2018;
+    struct jp_slope_cost *costs = even.move_costs[JP_COST_PHYSICAL];
+
+    for (int move = 0; move < JP_MOVE_KINDS; move++) {
+        costs[move].climb = (struct jp_polynomial){(move == JP_MOVE_AXIS ? 1000 : 3000) * 65536, 0, 0};
+        costs[move].descend = costs[move].climb;
+    }
+    TEST_ASSERT_UINT32_WITHIN(1, 1000 * 1000, straight_bound(&even, 1000, 0, 0));
+    TEST_ASSERT_UINT32_WITHIN(1, 1000 * 1000, straight_bound(&even, 0, -1000, 0));
+    costs[JP_MOVE_DIAGONAL].climb.constant = 1400 * 65536; /* cheaper by length than along an axis */
+    costs[JP_MOVE_DIAGONAL].descend.constant = 1400 * 65536;
+    const jp_cost diagonal = straight_bound(&even, 1000, 1000, 0);
+    TEST_ASSERT_TRUE(diagonal <= 1400 * 1000 && diagonal >= 1400 * 1000 - 30);
+}
+
+/* Wheels on either side count alike, whichever way the robot looks. */
+static void test_wheels_of_both_sides_count_alike(void)
+{
+    make_grounds();
+    for (uint8_t heading = 0; heading < JP_HEADINGS; heading++) {
+        const struct jp_primitive turn = {.start = heading, .end = heading, .base = {400, 400, 400}};
+        jp_cost costs[2];
+        copy.sides[heading] = (struct jp_cell_offset){(int8_t)(1 + heading % 2), (int8_t)(heading % 3 - 1)};
+        for (int side = 0; side < 2; side++) {
+            const int sign = side == 0 ? 1 : -1;
+            const int32_t x = 4 + sign * copy.sides[heading].dx;
+            const int32_t y = 4 + sign * copy.sides[heading].dy;
+            put_ground(x, y, GRASS);
+            costs[side] = jp_lattice_energy(&copy, JP_COST_PHYSICAL, &terrain, &turn, 4, 4);
+            put_ground(x, y, 0);
+        }
+        TEST_ASSERT_EQUAL_UINT32(2 * 400, costs[0]); /* a mean of once and thrice */
+        TEST_ASSERT_EQUAL_UINT32(costs[0], costs[1]);
+        TEST_ASSERT_EQUAL_UINT32(400, jp_lattice_energy(&copy, JP_COST_PHYSICAL, &terrain, &turn, 4, 4));
+    }
+}
+
+/* Each kind of move of each kind of cost is looked at, and its limits are within. */
+static void test_check_of_every_move_cost(void)
+{
+    for (int kind = 0; kind < JP_COST_KINDS; kind++) {
+        for (int move = 0; move < JP_MOVE_KINDS; move++) {
+            copy.move_costs[kind][move].floor = 0;
+            expect_bad("move_costs");
+        }
+    }
+    struct jp_slope_cost cost = {.climb = {65536, 0, 0}, .descend = {65536, 0, 0}, .rise_max = 4096, .floor = 1};
+    TEST_ASSERT_TRUE(jp_slope_cost_is_valid(&cost));
+    cost.rise_max = 1;
+    TEST_ASSERT_TRUE(jp_slope_cost_is_valid(&cost));
+}
+
+/* Along the other axis as along the first: the cells of the moves are those that the robot drives over. */
+static void test_costs_of_cells_along_both_axes(void)
+{
+    static const uint8_t steps[][2] = {{0, 0}, {4, 4}};
+
+    make_grounds();
+    copy.sides[0] = (struct jp_cell_offset){0, 0};
+    copy.sides[4] = copy.sides[0];
+    for (int axis = 0; axis < 2; axis++) {
+        const struct jp_primitive way = {.start = (uint8_t)(4 * axis), .base = {8, 8, 8}, .move_count = 2};
+        copy.moves = steps[axis];
+        const uint32_t step = jp_move_cost(&copy.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS], 0);
+        for (int32_t i = 0; i < 4; i++) {
+            const int32_t x = axis == 0 ? 2 + i : 2;
+            const int32_t y = axis == 0 ? 2 : 2 + i;
+            put_ground(x, y, GRASS);
+            const uint32_t more = i == 0 || i == 2 ? step / 2 : (i == 1 ? step / 2 + step / 2 : 0);
+            const jp_cost cost = jp_lattice_energy(&copy, JP_COST_PHYSICAL, &terrain, &way, 2, 2);
+            TEST_ASSERT_UINT32_WITHIN(2, 2 * step + more + (i < 3 ? 3 * 8 : 8), cost);
+            put_ground(x, y, 0);
+        }
+    }
+}
+
+/* Every primitive is looked at, the first and the last: each sweeps its end, which is not among its first cells. */
+static void test_check_of_the_ends_of_every_primitive(void)
+{
+    unsigned cut = 0;
+
+    for (unsigned i = 0; i < count_of(&copy); i += 11) {
+        if (copy.primitives[i].dy > 0 && copy.primitives[i].span_count > 1) {
+            primitives[i].span_count = 1;
+            expect_bad("spans");
+            cut++;
+        }
+    }
+    TEST_ASSERT_TRUE(cut > 3);
+}

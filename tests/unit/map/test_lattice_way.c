@@ -221,3 +221,21 @@ static void test_along_a_corridor(void)
     }
     TEST_ASSERT_EQUAL_UINT32(9, steps);
 }
+
+static void test_size_of_maps_out_of_range(void)
+{
+    map.width = JP_TERRAIN_SIDE_MAX + 1;
+    TEST_ASSERT_EQUAL_UINT32(0, jp_lattice_way_size(&map));
+}
+
+/* In just as much memory as it says; with steps that sweep the same there and back, so that one look does for both. */
+static void test_block_of_its_size(void)
+{
+    const struct jp_way_cell here = {4, 4};
+    const struct jp_way_cell there = {9, 9};
+
+    TEST_ASSERT_EQUAL_INT(
+        JP_OK, jp_lattice_way_start(&way, lattice, &terrain, &here, &there, block, jp_lattice_way_size(&map)));
+    TEST_ASSERT_EQUAL_UINT32(0xFFFF, way.alike);
+    TEST_ASSERT_EQUAL_INT(JP_WAY_FOUND, answer(7));
+}

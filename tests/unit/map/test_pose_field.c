@@ -219,6 +219,34 @@ static void test_a_way_leads_to_the_root(void)
     TEST_ASSERT_EQUAL_INT(3, pose.x);
 }
 
+/* From every pose that has a cost a step or a turn leads on to one that has less, but from the root. */
+static void test_each_pose_leads_to_a_cheaper_one(void)
+{
+    unsigned across = 0;
+    unsigned reached = 0;
+
+    map.width = map.height;
+    make_level_map(&map);
+    init();
+    start(JP_POSE_FIELD_TO_ROOT, 3, 3, 1U, LIMIT);
+    for (int32_t i = 0; i < map.width * map.height * JP_HEADINGS; i++) {
+        const struct jp_lattice_pose from = {(int16_t)(i / JP_HEADINGS % map.width),
+                                             (int16_t)(i / JP_HEADINGS / map.width), (uint8_t)(i % JP_HEADINGS)};
+        const jp_cost cost = jp_pose_field_cost(&field, from.x, from.y, from.heading);
+        struct jp_lattice_pose to = from;
+        if (cost == 0 || cost == JP_COST_MAX) {
+            TEST_ASSERT_FALSE(jp_pose_field_next(&field, &to));
+            continue;
+        }
+        TEST_ASSERT_TRUE(jp_pose_field_next(&field, &to));
+        TEST_ASSERT_TRUE(jp_pose_field_cost(&field, to.x, to.y, to.heading) < cost);
+        reached++;
+        across += to.y != from.y;
+    }
+    TEST_ASSERT_TRUE(reached > JP_HEADINGS);
+    TEST_ASSERT_TRUE(across > 0);
+}
+
 static void test_no_way_leads_from_where_it_has_not_been_or_over_what_was_built_since(void)
 {
     struct jp_lattice_pose pose = {10, 3, 8};

@@ -256,3 +256,21 @@ static void test_all_that_falls_is_handed_out_in_slices_of_any_size(void)
         expect_all_dealt();
     }
 }
+
+/* A sweep takes what is up to a step above the least that is left, in the order of the cells. */
+static void test_a_step_above_the_least_is_taken_together(void)
+{
+    const uint16_t least = 4 * STEP;
+
+    lower(1, 1, 3, (uint16_t)(least + STEP)); /* before the least in the order of the cells */
+    lower(WIDTH - 1, 1, 2, least);
+    lower(0, HEIGHT - 1, 5, (uint16_t)(least + STEP + 1));
+    TEST_ASSERT_EQUAL_INT(JP_POSE_WAVE_CELL, next(1));
+    TEST_ASSERT_EQUAL_UINT32(least + STEP, wave.threshold);
+    deal(group.headings);
+    TEST_ASSERT_EQUAL_INT(JP_POSE_WAVE_CELL, next(1));
+    TEST_ASSERT_EQUAL_UINT32(least + STEP, wave.threshold);
+    deal(group.headings);
+    expect_next(0, HEIGHT - 1, 1U << 5);
+    TEST_ASSERT_EQUAL_UINT32(least + 2 * STEP + 1, wave.threshold);
+}

@@ -620,6 +620,41 @@ static void test_wheels_stay_within_a_core_that_is_longer_on_one_side(void)
     TEST_ASSERT_EQUAL_INT(0, tariff.lattice.sides[0].dy); /* it has no cells there */
 }
 
+/* A core that reaches to one side only, or nowhere, has the wheels in its middle. */
+static void test_wheels_of_a_core_without_sides(void)
+{
+    static const struct jp_span one_cell = {0, 0, 0};
+    static const struct jp_span upward[] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
+    const char *field = "";
+
+    for (int i = 0; i < 2; i++) {
+        set_grounds();
+        grounds.half_track = 2 * copy.resolution - copy.resolution / 8;
+        copy.spans = i == 0 ? &one_cell : upward;
+        copy.core = (struct jp_cells){0, i == 0 ? 1 : 3};
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_grounds(&tariff, &copy, &grounds, &field));
+        for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+            TEST_ASSERT_EQUAL_INT(0, tariff.lattice.sides[heading].dx);
+            TEST_ASSERT_EQUAL_INT(0, tariff.lattice.sides[heading].dy);
+        }
+    }
+}
+
+/* Also by the least that a factor may be above one. */
+static void test_turning_rounds_up_by_the_least_factor(void)
+{
+    const char *field = "";
+    const struct jp_tariff_factors least = {.straight = JP_Q16_ONE, .mass = JP_Q16_ONE, .turning = JP_Q16_ONE + 1};
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_factors(&tariff, balancer, &least, &field));
+    for (unsigned i = 0; i < balancer->first_from[JP_HEADINGS]; i++) {
+        const uint16_t base = balancer->primitives[i].base[JP_COST_PHYSICAL];
+        if (balancer->primitives[i].start != balancer->primitives[i].end) {
+            TEST_ASSERT_EQUAL_UINT32(base + (base > 0 ? 1 : 0), primitives[i].base[JP_COST_PHYSICAL]);
+        }
+    }
+}
+
 static void test_prices_of_grounds_that_are_refused(void)
 {
     const char *field = "";

@@ -660,3 +660,47 @@ static void test_random_maps_agree_with_plain_arrays(void)
     }
     TEST_ASSERT_GREATER_THAN_INT(1000, clear);
 }
+
+/* Before anything is known, nothing is free where unknown is not. */
+static void test_unknown_cells_of_a_new_map(void)
+{
+    const char *field = "";
+    const struct jp_span here = {0, 0, 0};
+
+    for (int is_free = 0; is_free < 2; is_free++) {
+        config.unknown_is_free = is_free != 0;
+        TEST_ASSERT_EQUAL_INT(JP_OK, init(&field));
+        for (int32_t i = 0; i < WIDTH_MAX * HEIGHT_MAX; i++) {
+            TEST_ASSERT_EQUAL_INT(JP_CELL_UNKNOWN, jp_terrain_cell(&terrain, i % WIDTH_MAX, i / WIDTH_MAX));
+            TEST_ASSERT_EQUAL_INT(is_free, jp_terrain_is_clear(&terrain, &here, 1, i % WIDTH_MAX, i / WIDTH_MAX));
+        }
+    }
+}
+
+/* On a plane the height is that of the plane, exactly at the cells' middles, as far as the map goes; beyond the last
+ * middles it is level. */
+static void test_heights_on_a_steep_plane(void)
+{
+    const char *field = "";
+    const jp_q16 cell = JP_Q16(0.25);
+    const int32_t unit = JP_Q16_ONE / JP_ELEVATION_ONE;
+
+    config.resolution = cell;
+    TEST_ASSERT_EQUAL_INT(JP_OK, init(&field));
+    for (int32_t y = 0; y < HEIGHT_MAX; y++) {
+        for (int32_t x = 0; x < WIDTH_MAX; x++) {
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, x, y, (jp_elevation)(400 * x + 200 * y)));
+        }
+    }
+    for (int32_t y = 0; y < HEIGHT_MAX; y++) {
+        for (int32_t x = 0; x < WIDTH_MAX; x++) {
+            const struct jp_point middle = {x * cell + cell / 2, y * cell + cell / 2};
+            const struct jp_point corner = {(x + 1) * cell, (y + 1) * cell};
+            const int32_t across = x + 1 < WIDTH_MAX ? 200 : 0;
+            const int32_t along = y + 1 < HEIGHT_MAX ? 100 : 0;
+            const int32_t here = 400 * x + 200 * y;
+            TEST_ASSERT_EQUAL_INT32(here * unit, jp_terrain_height(&terrain, &middle));
+            TEST_ASSERT_EQUAL_INT32((here + across + along) * unit, jp_terrain_height(&terrain, &corner));
+        }
+    }
+}

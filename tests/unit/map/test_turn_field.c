@@ -322,3 +322,71 @@ static void test_other_costs_of_the_same_lattice(void)
     TEST_ASSERT_TRUE(bound(far_off.x, far_off.y, far_off.heading) <= jp_wavefront_value_max(&field.wave));
     TEST_ASSERT_TRUE(bound(far_off.x, far_off.y, far_off.heading) > 0);
 }
+
+/* A value is a sixteenth of the cheapest turn, or up to a half less. */
+static void test_unit_of_the_values(void)
+{
+    uint32_t least = UINT32_MAX;
+
+    start();
+    for (unsigned from = 0; from < JP_HEADINGS; from++) {
+        for (unsigned to = 0; to < JP_HEADINGS; to++) {
+            least = turns.cost[from][to] > 0 && turns.cost[from][to] < least ? turns.cost[from][to] : least;
+        }
+    }
+    TEST_ASSERT_TRUE(least >> field.shift >= 16 && least >> field.shift < 32);
+    TEST_ASSERT_EQUAL_UINT32((least >> field.shift) + 1, field.wave.step);
+}
+
+/* Values are known to the target and a quarter more: not of what lies beyond. */
+static void test_horizon_lies_beyond_the_target(void)
+{
+    static const uint8_t targets[][3] = {{6, 4, 2}, {14, 8, 8}, {4, 6, 15}, {8, 4, 4}};
+
+    for (size_t i = 0; i < sizeof targets / sizeof targets[0]; i++) {
+        const uint8_t *to = targets[i];
+        jp_turn_field_start(&field, &turns, root.x, root.y, root.heading, to[0], to[1], to[2]);
+        grow();
+        const uint32_t value =
+            jp_wavefront_value(&field.wave, to[0] / field.scale, to[1] / field.scale * JP_HEADINGS + to[2]);
+        TEST_ASSERT_TRUE(value > 0);
+        TEST_ASSERT_EQUAL_UINT32(value + value / 4 + field.wave.step, field.wave.horizon);
+    }
+}
+
+static uint32_t looks_in_slices(unsigned slice)
+{
+    uint32_t looks = slice;
+    unsigned left = slice;
+
+    start();
+    while (!jp_turn_field_grow(&field, &left)) {
+        TEST_ASSERT_EQUAL_UINT32(0, left);
+        looks += slice;
+        left = slice;
+    }
+    return looks - left;
+}
+
+/* What is looked at is paid for, if need be later: as much in small slices as in one,
+ * but for a step of the wave. */
+static void test_small_slices_take_as_many_looks(void)
+{
+    occupy_some(5);
+    const uint32_t looks = looks_in_slices(UINT32_MAX / 4);
+
+    TEST_ASSERT_TRUE(looks > 1000);
+    TEST_ASSERT_UINT32_WITHIN(16, looks, looks_in_slices(1));
+    TEST_ASSERT_UINT32_WITHIN(16, looks, looks_in_slices(13));
+    TEST_ASSERT_UINT32_WITHIN(16, looks, looks_in_slices(13)); /* nothing is owed from the time before */
+}
+
+/* Whatever was in its memory before. */
+static void test_begins_in_any_memory(void)
+{
+    memset(&field, 0xA5, sizeof field);
+    memset(block, 0xA5, sizeof block);
+    init(scales[0]);
+    start_and_grow();
+    expect_exact();
+}

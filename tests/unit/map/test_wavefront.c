@@ -406,3 +406,51 @@ static void test_repair_after_falling_weights(void)
         expect_values();
     }
 }
+
+/* Whatever was in its memory before. */
+static void test_begins_in_any_memory(void)
+{
+    memset(&wave, 0xA5, sizeof wave);
+    jp_wavefront_init(&wave, WIDTH, HEIGHT, JP_WAVE_2_BYTES, block);
+    TEST_ASSERT_EQUAL_UINT32(0, wave.looks);
+    start(1, WIDTH - 1, HEIGHT - 1);
+    grow();
+    expect_values();
+}
+
+/* Rows in which there is nothing take budget, a cell's for every 128 looks and words. */
+static void test_empty_rows_take_budget(void)
+{
+    enum { ROWS = 300 };
+    static uint64_t rows[(ROWS * 2 + ROWS * 4 + 16) / 8];
+    int32_t x = 0;
+    int32_t y = 0;
+    unsigned cells = 100;
+
+    TEST_ASSERT_TRUE(jp_wavefront_size(1, ROWS, JP_WAVE_2_BYTES) <= sizeof rows);
+    jp_wavefront_init(&wave, 1, ROWS, JP_WAVE_2_BYTES, rows);
+    start(1, 0, ROWS - 1);
+    jp_wavefront_lower(&wave, 0, ROWS - 1, 0);
+    TEST_ASSERT_EQUAL_INT(JP_WAVE_CELL, jp_wavefront_next(&wave, &cells, &x, &y));
+    const int32_t first = y;
+    TEST_ASSERT_EQUAL_UINT32(99, cells);
+    TEST_ASSERT_EQUAL_INT(JP_WAVE_CELL, jp_wavefront_next(&wave, &cells, &x, &y));
+    TEST_ASSERT_EQUAL_INT(ROWS - 1, first + y); /* the other one */
+    TEST_ASSERT_EQUAL_UINT32(98 - ROWS / 128, cells);
+}
+
+/* Of rows that are wider than what is cleared at once, one. */
+static void test_wide_rows_are_cleared(void)
+{
+    enum { WIDE = 400 };
+    static uint64_t rows[(2 * WIDE * 2 + 2 * 52 + 16) / 8];
+
+    TEST_ASSERT_TRUE(jp_wavefront_size(WIDE, 2, JP_WAVE_2_BYTES) <= sizeof rows);
+    jp_wavefront_init(&wave, WIDE, 2, JP_WAVE_2_BYTES, rows);
+    jp_wavefront_start(&wave, 1, 0, 0);
+    for (int i = 0; i < 2; i++) {
+        TEST_ASSERT_FALSE(jp_wavefront_is_clear(&wave));
+        jp_wavefront_clear(&wave);
+    }
+    TEST_ASSERT_TRUE(jp_wavefront_is_clear(&wave));
+}

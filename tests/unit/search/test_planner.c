@@ -100,6 +100,37 @@ static void test_no_more_states_than_the_map_has(void)
     }
 }
 
+/* A sixteenth of the states' memory is the scout's, once that has room for the least of them, if there is an energy
+ * field. The layout touches no memory. */
+static void test_where_a_block_has_room_for_a_scout(void)
+{
+    const struct jp_planner_internal *inner = &planner.internal;
+    unsigned with = 0;
+
+    for (size_t size = 20 * 1024; size < 30 * 1024; size += 256) {
+        start_planner(size);
+        const size_t all =
+            size - (size_t)((const uint8_t *)inner->search.states - (const uint8_t *)block) +
+            (inner->resting.state_count_max > 0
+                 ? (size_t)((const uint8_t *)inner->search.states - (const uint8_t *)inner->resting.states)
+                 : 0U);
+        const bool has_room = all / 16 >= jp_planner_states_size(64);
+        TEST_ASSERT_EQUAL_INT(has_room, inner->resting.state_count_max > 0);
+        TEST_ASSERT_EQUAL_UINT32(inner->search.state_count_max + inner->resting.state_count_max,
+                                 jp_planner_statistics(&planner)->states_max);
+        TEST_ASSERT_TRUE(jp_planner_statistics(&planner)->search_bytes <= all);
+        TEST_ASSERT_TRUE(jp_planner_statistics(&planner)->search_bytes > all - all / 16);
+        if (has_room) {
+            const uint8_t *end = (const uint8_t *)&inner->resting.buckets[inner->resting.bucket_count];
+            TEST_ASSERT_TRUE(end <= (const uint8_t *)inner->search.states);
+            TEST_ASSERT_TRUE(inner->resting.state_count_max >= 64);
+            TEST_ASSERT_TRUE(inner->resting.state_count_max <= inner->search.state_count_max / 10);
+            with++;
+        }
+    }
+    TEST_ASSERT_TRUE(with > 0 && with < 40);
+}
+
 static void test_init_wants_pointers(void)
 {
     const char *field = "";

@@ -1,4 +1,9 @@
 /* Repairs that are given up: what a change cannot have touched of the search is kept, where that is worth it. */
+#include "src/search/planner_cut.h"
+#include "src/search/planner_effort.h"
+#include "src/search/planner_repair.h"
+#include "src/search/planner_search.h"
+#include "src/search/planner_states.h"
 #include "tests/support/planner_rig.h"
 
 enum {
@@ -122,4 +127,154 @@ static void test_what_the_cut_leaves_has_no_limit(void)
     believe(SMALL);
     expect_optimal();
     TEST_ASSERT_EQUAL_UINT32(restarts, jp_planner_statistics(&planner)->restarts);
+}
+
+/* ---- What is cut ---- */
+
+static bool is_cost(const struct jp_planner_state *state)
+{
+    return jp_planner_state_is_used(state) && state->g != JP_COST_MAX;
+}
+
+/* From the least wrong cost on all are forgotten, the ones below stay; of those that are forgotten the ones are lost
+ * over which a route as cheap as the plan may lead. */
+static void test_cut_forgets_what_may_rest_on_a_wrong_cost(void)
+{
+    struct jp_planner_search *search = &planner.internal.search;
+    unsigned slots = 7;
+
+    begin();
+    expect_optimal();
+    const jp_cost wrong = jp_planner_plan(&planner)->cost / 2;
+    uint32_t below = 0;
+    uint32_t from = 0;
+    uint32_t needed = 0;
+    for (uint32_t slot = 0; slot < search->slot_count; slot++) {
+        struct jp_planner_state *state = &search->states[slot];
+        const struct jp_lattice_pose pose = jp_search_pose(&planner.internal, slot);
+        below += is_cost(state) && state->g < wrong;
+        from += is_cost(state) && state->g >= wrong;
+        needed += is_cost(state) && state->g >= wrong &&
+                  state->g + jp_search_heuristic(&planner.internal, &pose) <= jp_planner_plan(&planner)->cost;
+        if (is_cost(state) && (state->g == wrong || state->g > 3 * wrong / 2)) {
+            state->rhs = (state->g + 1) & JP_COST_MAX;
+        }
+    }
+    TEST_ASSERT_TRUE(below > 0 && needed > 0 && from >= needed);
+    jp_cut_begin(&planner.internal);
+    while (!jp_cut_work(&planner.internal, &slots)) {
+        TEST_ASSERT_TRUE(slots < 7);
+        slots = 7;
+    }
+    TEST_ASSERT_EQUAL_UINT32(wrong, search->cut_cost);
+    for (uint32_t slot = 0; slot < search->slot_count; slot++) {
+        below -= is_cost(&search->states[slot]);
+        TEST_ASSERT_TRUE(!is_cost(&search->states[slot]) || search->states[slot].g < wrong);
+    }
+    TEST_ASSERT_EQUAL_UINT32(0, below);
+    TEST_ASSERT_EQUAL_UINT32(needed, planner.internal.cut.lost);
+    planner.internal.effort = (struct jp_planner_effort){.fresh_end = needed, .fresh_cost = 2 * wrong};
+    TEST_ASSERT_FALSE(jp_cut_is_worth_it(&planner.internal));
+    planner.internal.effort.fresh_end = needed + 1;
+    TEST_ASSERT_TRUE(jp_cut_is_worth_it(&planner.internal));
+}
+
+/* ---- Effort ---- */
+
+/* What a new search takes grows with the square of the cost of its route, up to what the last one took. */
+static void test_effort_of_a_new_search(void)
+{
+    struct jp_planner_internal *inner = &planner.internal;
+
+    begin();
+    expect_optimal();
+    const jp_cost cost = inner->plan.cost;
+    inner->effort = (struct jp_planner_effort){.fresh_route = 400, .fresh_end = 1600, .fresh_cost = 2 * cost};
+    TEST_ASSERT_EQUAL_UINT32(400, jp_effort_anew(inner));
+    inner->answer = JP_ANSWER_OUT_OF_BUDGET; /* there is no route: of one, not of its proof */
+    TEST_ASSERT_EQUAL_UINT32(100, jp_effort_anew(inner));
+    inner->effort.fresh_cost = cost / 2;
+    TEST_ASSERT_EQUAL_UINT32(400, jp_effort_anew(inner));
+    inner->effort.fresh_cost = 0;
+    TEST_ASSERT_EQUAL_UINT32(0, jp_effort_anew(inner));
+}
+
+/* A search by itself has no limit; a repaired one may take a tenth of a new one, and ends then. */
+static void test_slices_of_a_repair(void)
+{
+    struct jp_planner_internal *inner = &planner.internal;
+
+    begin();
+    expect_optimal();
+    inner->answer = JP_ANSWER_OUT_OF_BUDGET;
+    inner->phase = JP_PLANNER_SEARCH;
+    inner->effort = (struct jp_planner_effort){.fresh_route = 1000, .fresh_cost = inner->plan.cost, .spent = 60};
+    TEST_ASSERT_EQUAL_UINT32(500, jp_effort_slice(inner, 500));
+    inner->search.is_repaired = true;
+    TEST_ASSERT_EQUAL_UINT32(1000 / 10 + 1 - 60, jp_effort_slice(inner, 500));
+    TEST_ASSERT_EQUAL_UINT32(7, jp_effort_slice(inner, 7));
+    inner->effort.spent = 1000;
+    TEST_ASSERT_EQUAL_UINT32(0, jp_effort_slice(inner, 7));
+    inner->phase = JP_PLANNER_TRACE; /* what it has found is worth its trace */
+    TEST_ASSERT_EQUAL_UINT32(7, jp_effort_slice(inner, 7));
+    inner->phase = JP_PLANNER_CHECK_PLAN;
+    TEST_ASSERT_EQUAL_UINT32(7, jp_effort_slice(inner, 7));
+    inner->phase = JP_PLANNER_REPAIR;
+    TEST_ASSERT_EQUAL_UINT32(0, jp_effort_slice(inner, 7));
+    inner->effort.has_cut = true; /* what is left is part of a new search */
+    TEST_ASSERT_EQUAL_UINT32(7, jp_effort_slice(inner, 7));
+}
+
+/* From the beginning to the first route, and to its proof. */
+static void test_effort_is_noted(void)
+{
+    unsigned units = 0;
+    unsigned to_route = 0;
+
+    config.epsilon[0] = JP_EPSILON(2);
+    config.epsilon[1] = JP_EPSILON_ONE;
+    begin();
+    raise(8, 4, 10);
+    jp_planner_restart(&planner);
+    while (!jp_planner_is_idle(&planner)) {
+        const enum jp_answer answer = jp_planner_work(&planner, 1);
+        units++;
+        to_route += answer == JP_ANSWER_OUT_OF_BUDGET;
+    }
+    const struct jp_planner_effort *effort = &planner.internal.effort;
+    TEST_ASSERT_UINT32_WITHIN(units / 10, to_route, effort->fresh_route);
+    TEST_ASSERT_UINT32_WITHIN(units / 10, units, effort->fresh_end);
+    TEST_ASSERT_TRUE(effort->fresh_route < effort->fresh_end);
+    TEST_ASSERT_EQUAL_UINT32(jp_planner_plan(&planner)->cost, effort->fresh_cost);
+}
+
+/* ---- Changes that are repaired together ---- */
+
+static void test_changes_that_fit_one_repair(void)
+{
+    struct jp_planner_internal *inner = &planner.internal;
+
+    begin();
+    expect_optimal();
+    TEST_ASSERT_TRUE(jp_repair_fits(inner, -500, 500));
+    for (int32_t along = 0; along < 2; along++) {
+        inner->changes.count = 3;
+        for (int32_t i = 0; i < 3; i++) { /* from 100 to 104 along one axis */
+            const int16_t at = (int16_t)(100 + (i == 1 ? 4 : i));
+            inner->changes.cells[i] = (struct jp_cell_change){along == 0 ? at : 100, along == 0 ? 100 : at};
+        }
+        for (int32_t at = 80; at < 125; at++) {
+            const bool is_near = at > 104 - 16 && at < 100 + 16;
+            TEST_ASSERT_EQUAL_INT(is_near, jp_repair_fits(inner, along == 0 ? at : 100, along == 0 ? 100 : at));
+            TEST_ASSERT_EQUAL_INT(at > 100 - 16 && at < 100 + 16,
+                                  jp_repair_fits(inner, along == 0 ? 102 : at, along == 0 ? at : 102));
+        }
+    }
+    inner->changes.count = JP_PLANNER_CHANGES - 1;
+    for (unsigned i = 0; i < JP_PLANNER_CHANGES; i++) {
+        inner->changes.cells[i] = (struct jp_cell_change){100, 100};
+    }
+    TEST_ASSERT_TRUE(jp_repair_fits(inner, 100, 100));
+    inner->changes.count++;
+    TEST_ASSERT_FALSE(jp_repair_fits(inner, 100, 100));
 }

@@ -64,6 +64,65 @@ static void test_table_finds_all_that_it_holds(void)
     }
 }
 
+/* Whatever they have in common, states lie everywhere in the table: a look-up takes few probes. */
+static void test_states_are_spread_over_the_table(void)
+{
+    enum { PARTS = 8, STATES = 160 };
+    static const uint32_t strides[] = {1, 16, 4096};
+
+    for (size_t i = 0; i < sizeof strides / sizeof strides[0]; i++) {
+        unsigned counts[PARTS] = {0};
+        start_planner(sizeof block);
+        clear_states(1000);
+        const uint32_t slots = planner.internal.search.slot_count;
+        for (uint32_t k = 0; k < STATES; k++) {
+            counts[jp_planner_states_add(&planner.internal.search, k * strides[i]) * PARTS / slots]++;
+        }
+        for (int part = 0; part < PARTS; part++) {
+            TEST_ASSERT_TRUE(counts[part] >= STATES / PARTS / 2 && counts[part] <= STATES / PARTS * 2);
+        }
+    }
+}
+
+/* The lists follow on the slots, and look like free ones: no state is put there. */
+static void test_no_state_lies_beyond_the_slots(void)
+{
+    start_planner(sizeof block);
+    clear_states(1000);
+    struct jp_planner_search *search = &planner.internal.search;
+    memset(search->buckets, 0, search->bucket_count * sizeof *search->buckets);
+    for (uint32_t k = 0; k < search->state_count_max; k++) {
+        TEST_ASSERT_TRUE(jp_planner_states_add(search, k * 31) < search->slot_count);
+    }
+    for (uint32_t i = 0; i < search->bucket_count; i++) {
+        TEST_ASSERT_EQUAL_UINT32(0, search->buckets[i]);
+    }
+}
+
+/* A prime number of slots, of which so many states may be used that the rest of the probes stay few. */
+static void test_slots_are_as_many_as_fit(void)
+{
+    struct jp_planner_search search = {0};
+
+    for (uint32_t bytes = 1400; bytes < 6000; bytes += 57) {
+        const size_t used = jp_planner_states_init(&search, &terrain.config, block, bytes);
+        TEST_ASSERT_TRUE(used <= bytes);
+        TEST_ASSERT_EQUAL_UINT32(used, search.slot_count * sizeof *search.states + search.bucket_count * 4);
+        for (uint32_t n = 2; n < 40; n++) {
+            TEST_ASSERT_TRUE(search.slot_count == n || search.slot_count % n != 0U);
+        }
+        TEST_ASSERT_TRUE(bytes - used < 16 * sizeof *search.states);
+        TEST_ASSERT_EQUAL_UINT32(search.slot_count * 11 / 12, search.state_count_max);
+        TEST_ASSERT_EQUAL_UINT32(0, search.bucket_count & (search.bucket_count - 1));
+        TEST_ASSERT_TRUE(search.bucket_count >= 64);
+    }
+    for (uint32_t count = 64; count < 300; count++) {
+        const size_t size = jp_planner_states_size(count);
+        (void)jp_planner_states_init(&search, &terrain.config, block, size);
+        TEST_ASSERT_TRUE(search.state_count_max >= count && search.state_count_max <= count + 16);
+    }
+}
+
 static void test_table_that_is_full(void)
 {
     start_planner(sizeof block);
