@@ -401,3 +401,19 @@ static void test_a_metre_beyond_its_format(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_four_wheel_energy_metre(&config, JP_Q24_ONE, JP_Q24_ONE, &joules));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, joules);
 }
+
+static void test_nothing_scaled_is_nothing(void)
+{
+    static const jp_q16 ones[JP_FOUR_WHEEL_FACTORS] = {JP_Q16_ONE, JP_Q16_ONE, JP_Q16_ONE, JP_Q16_ONE};
+    struct jp_four_wheel_energy_model none = config;
+    struct jp_four_wheel_energy_model scaled;
+
+    none.rolling = 0;
+    none.drag = 0;
+    none.copper_driving = 0;
+    none.copper_braking = 0;
+    none.steering = 0;
+    none.electronics_power = 0;
+    jp_four_wheel_energy_scale(&none, ones, &scaled);
+    TEST_ASSERT_EQUAL_MEMORY(&none, &scaled, sizeof scaled);
+}

@@ -655,3 +655,25 @@ static void test_same_bits_everywhere(void)
     }
     TEST_ASSERT_EQUAL_HEX32(0xA832D981, hash);
 }
+
+static void test_a_twist_is_of_every_angle_below_a_quarter(void)
+{
+    const int32_t quarter = (int32_t)1 << 30;
+    struct jp_twist twist;
+
+    TEST_ASSERT_NOT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_twist(&robot, JP_Q24(1), quarter - 1, &twist));
+    TEST_ASSERT_NOT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_twist(&robot, JP_Q24(1), 1 - quarter, &twist));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_twist(&robot, JP_Q24(1), quarter, &twist));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_twist(&robot, JP_Q24(1), -quarter, &twist));
+}
+
+static void test_wheels_may_be_as_fast_as_they_can(void)
+{
+    const struct jp_twist fastest = {.x = robot.speed_max};
+    const struct jp_twist faster = {.x = robot.speed_max + 1};
+    struct jp_wheels wheels = at_rest;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_inverse(&robot, &fastest, &wheels));
+    TEST_ASSERT_EQUAL_INT32(robot.speed_max, wheels.speed[0]);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, jp_four_wheel_inverse(&robot, &faster, &wheels));
+}

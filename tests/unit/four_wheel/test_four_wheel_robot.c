@@ -150,6 +150,40 @@ static void test_the_configuration_is_checked(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_robot_init(&robot, &usual, NULL));
 }
 
+static void test_ticks_are_counted(void)
+{
+    for (uint32_t i = 1; i <= 5U; i++) {
+        tick(i == 3U ? JP_ERR_STATE : JP_OK);
+        TEST_ASSERT_EQUAL_UINT32(i, telemetry.tick);
+    }
+}
+
+/* Wherever the encoders begin, the first frame is no motion. */
+static void test_the_first_frame_moves_nothing(void)
+{
+    for (int i = 0; i < JP_WHEELS; i++) {
+        sensors.count[i] = 123456U * (uint32_t)(i + 1);
+    }
+    tick(JP_OK);
+    TEST_ASSERT_EQUAL_INT32(0, telemetry.odometry.twist.x);
+    TEST_ASSERT_EQUAL_INT32(0, telemetry.odometry.twist.turn_rate);
+    TEST_ASSERT_EQUAL_INT64(0, telemetry.odometry.x);
+    TEST_ASSERT_EQUAL_INT64(0, telemetry.odometry.y);
+}
+
+/* What was asked for before is not done after it. */
+static void test_a_disable_takes_an_enable_back(void)
+{
+    tick(JP_OK);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_enable(&robot));
+    jp_four_wheel_robot_disable(&robot);
+    for (int i = 0; i < 3; i++) {
+        tick(JP_OK);
+        TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_IDLE, telemetry.state);
+        TEST_ASSERT_EQUAL_UINT32(0, actuation.enabled);
+    }
+}
+
 static void test_it_is_idle_and_off_until_it_is_enabled(void)
 {
     TEST_ASSERT_NULL(jp_four_wheel_robot_good_frame(&robot));

@@ -100,6 +100,31 @@ static void test_the_next_piece_begins_where_one_ends(void)
     TEST_ASSERT_INT32_WITHIN(16, JP_Q24(0.3), piece.end.x);
 }
 
+/* Sideways too: wheels at right angles. */
+static void test_a_piece_backwards_is_its_mirror_image(void)
+{
+    for (int i = 0; i < 21; i++) {
+        const struct jp_wheels wheels = straight(-JP_Q24(0.01) * i);
+
+        (void)tick(&wheels);
+    }
+    TEST_ASSERT_INT32_WITHIN(16, 0, piece.start.x);
+    TEST_ASSERT_INT32_WITHIN(16, -JP_Q24(0.2), piece.end.x);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        struct jp_wheels wheels = straight(sign * JP_Q24(0.3));
+
+        setUp();
+        for (int k = 0; k < (int)JP_WHEELS; k++) {
+            wheels.angle[k] = DEGREES(90);
+        }
+        for (int i = 0; i < 21; i++) {
+            (void)tick(&wheels);
+        }
+        TEST_ASSERT_INT32_WITHIN(16, 0, piece.end.x);
+        TEST_ASSERT_INT32_WITHIN(16, sign * JP_Q24(0.3), piece.end.y);
+    }
+}
+
 /* Wheel by wheel, either way. */
 static void test_steering_travel_is_summed_up(void)
 {

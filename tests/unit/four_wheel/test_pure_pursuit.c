@@ -465,3 +465,23 @@ static void test_drives_along_a_circle(void)
     TEST_ASSERT_INT32_WITHIN(60, 690, ticks); /* 12.6 m at 1 m/s, a second more to start and to stop */
     TEST_ASSERT_EQUAL_HEX32(0xDCB2354F, hash);
 }
+
+/* The corner is just where the lookahead ends: the way there is straight. */
+static void test_a_corner_at_the_lookahead_is_not_beyond_it(void)
+{
+    static const struct jp_point hook[] = {{0, 0}, {JP_Q16(1), 0}, {JP_Q16(0.5), JP_Q16(1)}};
+
+    follow(hook, COUNT(hook));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(0, 0, EAST, JP_Q24(1)));
+    TEST_ASSERT_EQUAL_INT32(0, twist.turn_rate);
+    TEST_ASSERT_GREATER_THAN_INT32(0, twist.x);
+}
+
+/* Right beside the robot: the arc through it has half the distance as its radius. */
+static void test_a_target_right_beside(void)
+{
+    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(2), 0, NORTH, JP_Q24(1)));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), -2 * twist.x, twist.turn_rate);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(2), 0, SOUTH, JP_Q24(1)));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), 2 * twist.x, twist.turn_rate);
+}
