@@ -220,6 +220,89 @@ static void test_what_is_left_is_as_uncertain_as_each_pair_of_unknowns(void)
     }
 }
 
+/* ---- How sure it is ---- */
+
+static int64_t squared(jp_q24 deviation)
+{
+    return (int64_t)deviation * deviation;
+}
+
+static int64_t variance_of(unsigned unknown)
+{
+    return battery.filter.covariance[unknown][unknown];
+}
+
+/* Of the capacity's error the charge that was told as a share has its part. */
+static void test_a_start_is_as_uncertain_as_its_cells_say(void)
+{
+    const jp_q24 of_share = jp_q24_multiply(cells.capacity_deviation, JP_Q24(0.63));
+
+    TEST_ASSERT_EQUAL_INT64(squared(cells.polarisation), variance_of(JP_BATTERY_POLARISATION));
+    TEST_ASSERT_EQUAL_INT64(squared(cells.resistance_deviation), variance_of(JP_BATTERY_RESISTANCE));
+    TEST_ASSERT_EQUAL_INT64(squared(cells.slowness_deviation), variance_of(JP_BATTERY_SLOWNESS));
+    TEST_ASSERT_EQUAL_INT64(squared(cells.curve_deviation), variance_of(JP_BATTERY_CURVE));
+    TEST_ASSERT_EQUAL_INT64(squared(cells.capacity_deviation), variance_of(JP_BATTERY_CAPACITY));
+    TEST_ASSERT_EQUAL_INT64(squared(cells.offset_deviation), variance_of(JP_BATTERY_OFFSET));
+    TEST_ASSERT_INT64_WITHIN(Q48 >> 27, squared(config.charge_deviation >> 7) + squared(of_share),
+                             variance_of(JP_BATTERY_CHARGE));
+    TEST_ASSERT_INT64_WITHIN(Q48 >> 27, jp_scaled(squared(cells.capacity_deviation), JP_Q24(0.63)),
+                             battery.filter.covariance[JP_BATTERY_CHARGE][JP_BATTERY_CAPACITY]);
+}
+
+/* An hour without voltages: each unknown walks as far as its cells say, and the offset takes the charge with it. */
+static void test_unknowns_walk_with_the_time(void)
+{
+    static const unsigned walking[] = {JP_BATTERY_CHARGE, JP_BATTERY_RESISTANCE, JP_BATTERY_SLOWNESS,
+                                       JP_BATTERY_CAPACITY, JP_BATTERY_OFFSET};
+    jp_q24 *const walks[] = {&cells.charge_walk, &cells.resistance_walk, &cells.slowness_walk, &cells.capacity_walk,
+                             &cells.offset_walk};
+
+    for (unsigned k = 0; k < 5U; k++) {
+        setUp();
+        for (unsigned i = 0; i < 5U; i++) {
+            *walks[i] = 0;
+        }
+        *walks[k] = JP_Q24(0.25);
+        for (unsigned i = 0; i < JP_BATTERY_UNKNOWNS; i++) {
+            for (unsigned j = 0; j < JP_BATTERY_UNKNOWNS; j++) {
+                battery.filter.covariance[i][j] = i == j ? 1 : 0;
+            }
+        }
+        for (int i = 0; i < 36; i++) {
+            (void)jp_battery_filter_second(&battery, &config, 0, 0, true);
+        }
+        for (unsigned i = 0; i < 5U; i++) {
+            const int64_t walked = i == k ? Q48 / 16 / 100 : 0;
+
+            TEST_ASSERT_INT64_WITHIN(Q48 >> 25, walked, variance_of(walking[i]));
+        }
+    }
+}
+
+/* Polarisation and the curve's error pass with time and charge, to what the cells say; so does what is not known. */
+static void test_polarisation_settles_at_what_the_current_makes(void)
+{
+    const jp_q24 settled = jp_multiply_shift(cells.polarisation, JP_Q16(2), 16);
+
+    for (int i = 0; i < 3000; i++) {
+        (void)jp_battery_filter_second(&battery, &config, JP_Q16(2), 0, true);
+    }
+    TEST_ASSERT_INT32_WITHIN(settled / 100, settled, (int32_t)(battery.filter.polarisation >> 24));
+    TEST_ASSERT_INT64_WITHIN(squared(cells.curve_deviation) / 100, squared(cells.curve_deviation),
+                             variance_of(JP_BATTERY_CURVE));
+}
+
+static void test_an_offset_moves_the_charge_with_the_time(void)
+{
+    const jp_charge before = battery.charge;
+
+    battery.filter.offset = Q48 / 10; /* a tenth of the capacity an hour */
+    for (int i = 0; i < 360; i++) {
+        (void)jp_battery_filter_second(&battery, &config, 0, 0, true);
+    }
+    TEST_ASSERT_INT64_WITHIN(CAPACITY * COULOMB / 100000, CAPACITY * COULOMB / 100, battery.charge - before);
+}
+
 /* ---- Limits ---- */
 
 static void test_every_number_keeps_its_range(void)

@@ -677,3 +677,45 @@ static void test_wheels_may_be_as_fast_as_they_can(void)
     TEST_ASSERT_EQUAL_INT32(robot.speed_max, wheels.speed[0]);
     TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, jp_four_wheel_inverse(&robot, &faster, &wheels));
 }
+
+/* Whichever wheel it is that rolls, or that is too far from its direction. */
+static void test_one_wheel_makes_all_stand(void)
+{
+    const struct jp_twist ahead = {.x = JP_Q24(0.5)};
+    enum jp_steering steering;
+
+    for (int k = 0; k < (int)JP_WHEELS; k++) {
+        struct jp_wheels far = {{0}, {JP_Q24(0.5), JP_Q24(0.5), JP_Q24(0.5), JP_Q24(0.5)}};
+        struct jp_wheels rolling = {{DEGREES(85), DEGREES(85), DEGREES(85), DEGREES(85)}, {0}};
+
+        far.angle[k] = DEGREES(85);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_tick(&robot, &ahead, &far, &steering));
+        TEST_ASSERT_EQUAL_INT(JP_STEERING_STANDSTILL, steering);
+        TEST_ASSERT_EQUAL_INT32(DEGREES(85), far.angle[k]);
+        rolling.speed[k] = JP_Q24(0.5);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_tick(&robot, &ahead, &rolling, &steering));
+        TEST_ASSERT_EQUAL_INT(JP_STEERING_STANDSTILL, steering);
+        TEST_ASSERT_EQUAL_INT32(DEGREES(85), rolling.angle[k]);
+    }
+}
+
+static void test_one_wheel_off_its_goal_is_no_alignment(void)
+{
+    const struct jp_twist ahead = {.x = JP_Q24(0.5)};
+    enum jp_steering steering;
+
+    for (int k = 0; k < (int)JP_WHEELS; k++) {
+        struct jp_wheels turned = {{0}, {JP_Q24(0.5), JP_Q24(0.5), JP_Q24(0.5), JP_Q24(0.5)}};
+        struct jp_wheels slow = turned;
+        struct jp_wheels there = turned;
+
+        turned.angle[k] = DEGREES(5);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_tick(&robot, &ahead, &turned, &steering));
+        TEST_ASSERT_EQUAL_INT(JP_STEERING_LIMITED, steering);
+        slow.speed[k] = JP_Q24(0.3);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_tick(&robot, &ahead, &slow, &steering));
+        TEST_ASSERT_EQUAL_INT(JP_STEERING_LIMITED, steering);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_tick(&robot, &ahead, &there, &steering));
+        TEST_ASSERT_EQUAL_INT(JP_STEERING_ALIGNED, steering);
+    }
+}
