@@ -279,6 +279,18 @@ static void test_unknowns_walk_with_the_time(void)
     }
 }
 
+/* What no model says of the voltage is of the polarisation, too. */
+static void test_polarisation_is_never_sure(void)
+{
+    for (unsigned i = 0; i < JP_BATTERY_UNKNOWNS; i++) {
+        for (unsigned j = 0; j < JP_BATTERY_UNKNOWNS; j++) {
+            battery.filter.covariance[i][j] = i == j ? 1 : 0;
+        }
+    }
+    (void)jp_battery_filter_second(&battery, &config, 0, 0, true);
+    TEST_ASSERT_INT64_WITHIN(64, squared(cells.voltage_noise / 64), variance_of(JP_BATTERY_POLARISATION));
+}
+
 /* Polarisation and the curve's error pass with time and charge, to what the cells say; so does what is not known. */
 static void test_polarisation_settles_at_what_the_current_makes(void)
 {

@@ -719,3 +719,26 @@ static void test_one_wheel_off_its_goal_is_no_alignment(void)
         TEST_ASSERT_EQUAL_INT(JP_STEERING_ALIGNED, steering);
     }
 }
+
+/* About one of its wheels, which stands, the others roll: not at a stand. */
+static void test_one_wheel_that_stands_is_no_stand(void)
+{
+    const jp_q24 rate = JP_Q24(0.8);
+    enum jp_steering steering;
+
+    for (int k = 0; k < (int)JP_WHEELS; k++) {
+        const bool is_front = k == (int)JP_FRONT_LEFT || k == (int)JP_FRONT_RIGHT;
+        const bool is_left = k == (int)JP_FRONT_LEFT || k == (int)JP_REAR_LEFT;
+        const struct jp_twist about = {jp_q24_multiply(rate, is_left ? JP_Q24(0.4) : -JP_Q24(0.4)),
+                                       jp_q24_multiply(rate, is_front ? -JP_Q24(0.3) : JP_Q24(0.3)), rate};
+        struct jp_wheels wheels = at_rest;
+
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_inverse(&robot, &about, &wheels));
+        for (int i = 0; i < (int)JP_WHEELS; i++) {
+            wheels.speed[i] = 0;
+        }
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_tick(&robot, &about, &wheels, &steering));
+        TEST_ASSERT_INT32_WITHIN(JP_WHEEL_HOLD_SPEED, 0, wheels.speed[k]);
+        TEST_ASSERT_EQUAL_INT(JP_STEERING_LIMITED, steering);
+    }
+}

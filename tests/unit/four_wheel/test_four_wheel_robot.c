@@ -184,6 +184,88 @@ static void test_a_disable_takes_an_enable_back(void)
     }
 }
 
+/* Nor what was asked for while it failed. */
+static void test_an_enable_of_a_tick_that_fails_is_over(void)
+{
+    tick(JP_OK);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_enable(&robot));
+    for (uint32_t i = 0; i <= config.limits.confirm_ticks; i++) {
+        tick(JP_ERR_HARDWARE);
+    }
+    jp_four_wheel_robot_disable(&robot);
+    for (int i = 0; i < 4; i++) {
+        tick(JP_OK);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_IDLE, telemetry.state);
+}
+
+/* Any motion that is told is driving, from the first tick on, while wheels are steered at a stand, too. */
+static void test_any_motion_is_driving(void)
+{
+    static const struct jp_twist twists[] = {
+        {JP_Q24(0.3), 0, 0},  {-JP_Q24(0.3), 0, 0}, {0, JP_Q24(0.3), 0},
+        {0, -JP_Q24(0.3), 0}, {0, 0, JP_Q24(0.5)},  {0, 0, -JP_Q24(0.5)},
+    };
+
+    for (unsigned i = 0; i < sizeof twists / sizeof twists[0]; i++) {
+        start();
+        stand();
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_drive(&robot, &twists[i]));
+        drive(1);
+        TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_DRIVING, telemetry.state);
+        renew(&twists[i], 100);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_drive(&robot, &rest));
+        drive(1);
+        TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_DRIVING, telemetry.state); /* until its wheels have stopped */
+        drive(100);
+        TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_STANDING, telemetry.state);
+    }
+}
+
+/* Angle by angle and wheel by wheel. */
+static void test_each_wheel_of_a_snapshot_is_looked_at(void)
+{
+    struct jp_four_wheel_snapshot sound;
+
+    stand();
+    renew(&ahead, 20);
+    jp_four_wheel_robot_snapshot(&robot, &sound);
+    for (int i = 0; i < JP_WHEELS; i++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            struct jp_four_wheel_snapshot snapshot = sound;
+
+            snapshot.wheels.angle[i] = sign * config.wheels.steering_limit;
+            snapshot.wheels.speed[i] = sign * config.wheels.speed_max;
+            start();
+            TEST_ASSERT_TRUE(jp_four_wheel_robot_resume(&robot, &snapshot));
+            start();
+            snapshot.wheels.angle[i] += sign;
+            TEST_ASSERT_FALSE(jp_four_wheel_robot_resume(&robot, &snapshot));
+            snapshot.wheels.angle[i] = 0;
+            snapshot.wheels.speed[i] += sign;
+            TEST_ASSERT_FALSE(jp_four_wheel_robot_resume(&robot, &snapshot));
+        }
+    }
+}
+
+/* Beyond the limit of the steering and what a wheel may lag behind. */
+static void test_each_wheel_has_angles_that_cannot_be(void)
+{
+    for (int i = 0; i < JP_WHEELS; i++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const bool is_left = i == (int)JP_FRONT_LEFT || i == (int)JP_REAR_LEFT;
+
+            start();
+            stand();
+            sensors.angle[i] = sign * (DEGREES(120) + 2);
+            for (int k = 0; k < 8; k++) {
+                tick(JP_OK);
+            }
+            TEST_ASSERT_EQUAL_HEX16(is_left ? JP_FAULT_ENCODER_LEFT : JP_FAULT_ENCODER_RIGHT, telemetry.faults);
+        }
+    }
+}
+
 static void test_it_is_idle_and_off_until_it_is_enabled(void)
 {
     TEST_ASSERT_NULL(jp_four_wheel_robot_good_frame(&robot));
@@ -575,4 +657,22 @@ static void test_pieces_that_nobody_takes_are_lost(void)
         pieces++;
     }
     TEST_ASSERT_EQUAL_UINT(JP_FOUR_WHEEL_STRETCHES - 1U, pieces);
+}
+
+static void test_any_part_of_a_twist_has_its_range(void)
+{
+    jp_q24 numbers[3] = {0, 0, 0};
+
+    stand();
+    for (int i = 0; i < 3; i++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            numbers[i] = sign * JP_Q24(16);
+            TEST_ASSERT_EQUAL_INT(
+                JP_OK, jp_four_wheel_robot_drive(&robot, &(struct jp_twist){numbers[0], numbers[1], numbers[2]}));
+            numbers[i] += sign;
+            TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_robot_drive(
+                                                       &robot, &(struct jp_twist){numbers[0], numbers[1], numbers[2]}));
+            numbers[i] = 0;
+        }
+    }
 }

@@ -485,3 +485,20 @@ static void test_a_target_right_beside(void)
     TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(2), 0, SOUTH, JP_Q24(1)));
     TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), 2 * twist.x, twist.turn_rate);
 }
+
+/* What lies behind the last point in the memory is not of the path. */
+static void test_a_path_ends_with_its_last_point(void)
+{
+    static const struct jp_point more[] = {{0, 0},           {JP_Q16(2), 0},  {JP_Q16(4), 0}, {JP_Q16(4), JP_Q16(0.6)},
+                                           {0, JP_Q16(0.6)}, {0, JP_Q16(0.7)}};
+    struct jp_twist alone;
+
+    follow(more, 3);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(3.5), JP_Q16(0.5), EAST, JP_Q24(1)));
+    alone = twist;
+    TEST_ASSERT_LESS_THAN_INT32(0, alone.turn_rate);
+    follow(&more[1], 2);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(3.5), JP_Q16(0.5), EAST, JP_Q24(1)));
+    TEST_ASSERT_EQUAL_INT32(alone.x, twist.x);
+    TEST_ASSERT_EQUAL_INT32(alone.turn_rate, twist.turn_rate);
+}
