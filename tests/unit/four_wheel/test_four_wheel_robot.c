@@ -676,3 +676,42 @@ static void test_any_part_of_a_twist_has_its_range(void)
         }
     }
 }
+
+/* On an arc it moves in the mean of its headings before and after. */
+static void test_a_tick_moves_it_in_its_mean_heading(void)
+{
+    const struct jp_twist arc = {.x = JP_Q24(0.5), .turn_rate = JP_Q24(0.8)};
+    struct jp_four_wheel_odometry before;
+
+    stand();
+    renew(&arc, 150);
+    for (int i = 0; i < 20; i++) {
+        before = telemetry.odometry;
+        renew(&arc, 10);
+        const int32_t dx = (int32_t)((telemetry.odometry.x - before.x) >> 8);
+        const int32_t dy = (int32_t)((telemetry.odometry.y - before.y) >> 8);
+        const jp_angle from = jp_phase_angle(before.heading);
+        const jp_angle turned = jp_phase_angle(telemetry.odometry.heading) - from;
+
+        TEST_ASSERT_INT32_WITHIN(DEGREES(0.1), 0, (int32_t)(jp_atan2(dy, dx) - from - turned / 2U));
+        TEST_ASSERT_INT32_WITHIN(DEGREES(0.2), (int32_t)jp_angle_from_radians(JP_Q24(0.08)), (int32_t)turned);
+    }
+}
+
+static void test_counts_may_jump_as_far_as_is_said(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        start();
+        tick(JP_OK);
+        for (int i = 0; i < 20; i++) {
+            for (int k = 0; k < JP_WHEELS; k++) {
+                sensors.count[k] += (uint32_t)(sign * (int32_t)config.limits.count_jump);
+            }
+            tick(JP_OK);
+            TEST_ASSERT_EQUAL_UINT32(0, telemetry.dropped_frames);
+        }
+        sensors.count[2] += (uint32_t)(sign * (int32_t)(config.limits.count_jump + 1U));
+        tick(JP_OK);
+        TEST_ASSERT_EQUAL_UINT32(1, telemetry.dropped_frames);
+    }
+}

@@ -502,3 +502,23 @@ static void test_a_path_ends_with_its_last_point(void)
     TEST_ASSERT_EQUAL_INT32(alone.x, twist.x);
     TEST_ASSERT_EQUAL_INT32(alone.turn_rate, twist.turn_rate);
 }
+
+static void test_the_shortest_period(void)
+{
+    const struct jp_point position = {0, 0};
+
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pure_pursuit_tick(&tracker, &position, EAST, JP_Q24(0.5), 1, &twist));
+}
+
+/* As near as the tolerance it has arrived, and not before. */
+static void test_arrives_at_the_tolerance(void)
+{
+    config = settings;
+    config.tolerance = JP_Q24(0.0625);
+    use(&config);
+    follow(&straight[2], 2);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(19.9375) - 1, 0, EAST, JP_Q24(0.1)));
+    TEST_ASSERT_GREATER_THAN_INT32(0, twist.x);
+    (void)tick(JP_Q16(19.9375), 0, EAST, JP_Q24(0.1));
+    TEST_ASSERT_EQUAL_INT32(0, twist.x);
+}

@@ -154,6 +154,26 @@ static void test_the_filter_has_no_side(void)
     TEST_ASSERT_EQUAL_UINT32(0, unlike);
 }
 
+/* After a change the measurement that told of it is weighed against the prior, as the first one. */
+static void test_a_change_is_learned_from_as_from_the_first_measurement(void)
+{
+    enum jp_learned learned = JP_LEARNED;
+    jp_q24 before = 0;
+
+    forget_sensitivities();
+    expected.sensitivity[0] = JP_Q16(2);
+    for (int i = 0; i < 30; i++) {
+        (void)measure(0);
+    }
+    for (int i = 0; i < 4 && learned != JP_LEARNED_CHANGE; i++) {
+        before = state.x[0];
+        learned = measure(JP_Q16(7.5));
+    }
+    TEST_ASSERT_EQUAL_INT(JP_LEARNED_CHANGE, learned);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), before + JP_Q24(3), state.x[0]);
+    TEST_ASSERT_EQUAL_INT32(0, watch.alarm);
+}
+
 /* ---- Noise ---- */
 
 /* Errors of twice what is expected, to both sides: their excess moves the scale by 1/128 each. */
