@@ -1,0 +1,212 @@
+/* The energy over one arc, as segment_problem.h states it, in double: the best duration, its limits, the slope, and the
+ * search over the arcs. */
+#include <joulepath/tables.h>
+#include <stddef.h>
+
+#include "src/base/integer.h"
+#include "src/trajectory/segment_geometry.h"
+#include "src/trajectory/segment_math.h"
+#include "src/trajectory/segment_search.h"
+#include "unity.h"
+
+/* Of coefficients with 27 bits: what roundings add up to. */
+#define ROUNDING 48
+
+enum { ARCS = 17, DURATIONS = 16, PROBLEMS = 24 };
+
+static struct jp_segment_problem problem;
+static int32_t reach;
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* Robots that stand, are slow, fast and turn; targets near and far, to all sides; limits wide and narrow. */
+static void make(unsigned number)
+{
+    static const struct jp_motion before[] = {
+        {0, 0}, {JP_Q24(0.3), JP_Q24(0.05)}, {JP_Q24(0.8), -JP_Q24(0.2)}, {JP_Q24(0.1), JP_Q24(0.3)}};
+    static const jp_q16 targets[][2] = {{JP_Q16(5), JP_Q16(1)},    {JP_Q16(-2), JP_Q16(3)}, {JP_Q16(0.3), JP_Q16(-0.2)},
+                                        {JP_Q16(20), JP_Q16(-20)}, {JP_Q16(1), JP_Q16(4)},  {JP_Q16(-6), JP_Q16(-1)}};
+    static const struct jp_segment_limits limits[] = {{JP_Q24(1), JP_Q24(0.35), JP_Q24(1.4), JP_Q16(600)},
+                                                      {JP_Q24(0.15), JP_Q24(2), JP_Q24(1.4), JP_Q16(600)},
+                                                      {JP_Q24(1), JP_Q24(0.03), JP_Q24(1.4), JP_Q16(600)},
+                                                      {JP_Q24(0.2), JP_Q24(0.05), JP_Q24(1.4), JP_Q16(300)}};
+    const struct jp_energy_model *model = &jp_energy_model_published;
+    const struct jp_segment_limits *limit = &limits[number / 6U];
+    const struct jp_point start = {0, 0};
+    const struct jp_point target = {targets[number % 6U][0], targets[number % 6U][1]};
+    struct jp_voltage_terms voltage;
+    uint32_t distance;
+    jp_angle direction;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_segment_polar(&start, &target, &distance, &direction));
+    jp_voltage_terms(model, &before[number % 4U], &voltage);
+    jp_segment_problem_build(&problem, model, limit, &before[number % 4U], &voltage, distance, direction,
+                             jp_segment_shortest(model->settling_time, limit, distance));
+    reach = jp_segment_longest_half_arc(&problem);
+}
+
+/* Of an x and a share of the shortest duration, in the unit of the problem. */
+static double energy_at(int32_t at, double share)
+{
+    const struct jp_segment_problem *p = &problem;
+    const int32_t turned = (int32_t)((uint32_t)p->bearing - (uint32_t)at);
+    struct jp_arc arc;
+
+    jp_arc_at(at, &arc);
+
+    const double r = arc.shape * 0x1p-31;
+    const double x = at * 0x1p-31;
+    const double s = turned * 0x1p-31;
+    const double v = r * share;
+    const double w = x * share;
+
+    return 0.5 * p->vv2 * v * v + (double)p->vw * v * w + 0.5 * p->ww2 * w * w + (p->vs * v + p->ws * w) * s +
+           0.5 * p->ss2 * s * s + p->lv * v + p->lw * w + p->ls * s + 0.5 * (p->fv2 * r * r + p->fw2 * x * x) * share +
+           p->power / share;
+}
+
+/* The largest share that the limits allow, and what of them sets it. */
+static double largest_share(int32_t at, enum jp_acting_limit *limit)
+{
+    const double size = (at < 0 ? -(double)at : at) * 0x1p-31;
+    struct jp_arc arc;
+    double most = 1.0;
+
+    jp_arc_at(at, &arc);
+    *limit = JP_ACTING_NONE;
+    if (problem.speed_limit < INT32_MAX && problem.speed_limit * 0x1p-27 * (arc.sinc * 0x1p-29) < most) {
+        most = problem.speed_limit * 0x1p-27 * (arc.sinc * 0x1p-29);
+        *limit = JP_ACTING_SPEED;
+    }
+    if (problem.turn_rate_limit * 0x1p-31 < most * size) {
+        most = problem.turn_rate_limit * 0x1p-31 / size;
+        *limit = JP_ACTING_TURN_RATE;
+    }
+    return most;
+}
+
+static struct jp_evaluation evaluate(int32_t at)
+{
+    struct jp_evaluation e;
+
+    e.inverse.mantissa = 0;
+    jp_segment_evaluate(&problem, at, JP_ACTING_NONE, &e);
+    return e;
+}
+
+static int32_t arc_number(int i)
+{
+    return (int32_t)((int64_t)reach * (2 * i - (ARCS - 1)) / (ARCS - 1));
+}
+
+static void expect_best(int32_t at)
+{
+    const struct jp_evaluation e = evaluate(at);
+    const double share = e.xi * 0x1p-30;
+    const double shortest = problem.xi_min * 0x1p-30;
+    enum jp_acting_limit limit;
+    const double most = largest_share(at, &limit);
+    const double best = energy_at(at, share);
+
+    TEST_ASSERT_TRUE(share <= most * 1.000001 + 1e-7 || e.xi == problem.xi_min);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT32(problem.xi_min, e.xi);
+    TEST_ASSERT_INT32_WITHIN(ROUNDING, (int32_t)best, e.energy);
+    TEST_ASSERT_INT32_WITHIN(ROUNDING, (int32_t)(problem.power / share), e.idle);
+    for (int i = 0; i <= DURATIONS && most > shortest; i++) {
+        TEST_ASSERT_TRUE(best <= energy_at(at, shortest + (most - shortest) * i / DURATIONS) + ROUNDING);
+        TEST_ASSERT_TRUE(best <= energy_at(at, share + (most - share) * i / DURATIONS) + ROUNDING);
+    }
+    if (e.limit != JP_ACTING_NONE) {
+        TEST_ASSERT_EQUAL_INT(limit, e.limit);
+        TEST_ASSERT_TRUE(share > most * 0.99999);
+    } else {
+        TEST_ASSERT_TRUE(limit == JP_ACTING_NONE || share < most || most <= shortest * 1.00001);
+    }
+}
+
+static void test_the_best_duration_of_each_arc(void)
+{
+    for (unsigned k = 0; k < (unsigned)PROBLEMS; k++) {
+        make(k);
+        for (int i = 0; i < (int)ARCS; i++) {
+            expect_best(arc_number(i));
+        }
+    }
+}
+
+/* A guess may be far off. */
+static void test_a_guess_changes_nothing(void)
+{
+    for (unsigned k = 0; k < (unsigned)PROBLEMS; k++) {
+        make(k);
+        for (int exponent = 0; exponent < 12; exponent += 3) {
+            struct jp_evaluation e = evaluate(reach / 3);
+            const int32_t xi = e.xi;
+
+            e.inverse = (struct jp_inverse){(uint32_t)Q30_ONE + ((uint32_t)Q30_ONE >> 1), exponent};
+            jp_segment_evaluate(&problem, reach / 3, JP_ACTING_NONE, &e);
+            TEST_ASSERT_INT32_WITHIN(xi >> 9, xi, e.xi);
+        }
+    }
+}
+
+static void test_the_slope_is_that_of_the_energy(void)
+{
+    const int32_t step = (int32_t)1 << 22;
+    unsigned compared = 0;
+
+    for (unsigned k = 0; k < (unsigned)PROBLEMS; k++) {
+        make(k);
+        for (int i = 1; i + 1 < (int)ARCS; i++) {
+            const int32_t at = arc_number(i) + 12345;
+            const struct jp_evaluation here = evaluate(at);
+            const struct jp_evaluation more = evaluate(at + step);
+            const struct jp_evaluation less = evaluate(at - step);
+
+            if (more.limit == here.limit && less.limit == here.limit && jp_absolute32(at) < reach - 2 * step) {
+                const int64_t slope = ((int64_t)more.energy - less.energy) * 16; /* by 2^-8, of dJ/dx/16 */
+
+                TEST_ASSERT_INT32_WITHIN(800 + jp_absolute32(here.slope) / 50, (int32_t)slope, here.slope);
+                TEST_ASSERT_TRUE(here.limit != JP_ACTING_NONE || here.slope_inside == here.slope);
+                compared++;
+            }
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(200, compared);
+}
+
+/* No arc of a fine grid takes a ten-thousandth less, and few evaluations find it. */
+static void test_the_search_finds_the_least_in_few_evaluations(void)
+{
+    int used = 0;
+
+    for (unsigned k = 0; k < (unsigned)PROBLEMS; k++) {
+        struct jp_evaluation best = {.x = 0, .xi = 0};
+        int evaluations = JP_SEGMENT_EVALUATIONS;
+
+        make(k);
+        const int32_t low = jp_saturate32((int64_t)problem.bearing - 954437177); /* 80° of turn */
+        const int32_t high = jp_saturate32((int64_t)problem.bearing + 954437177);
+        const int32_t from = low < -reach ? -reach : low;
+        const int32_t to = high > reach ? reach : high;
+
+        if (from < to) {
+            jp_segment_find_minimum(&problem, from, to, &evaluations, &best);
+            used += JP_SEGMENT_EVALUATIONS - evaluations;
+            TEST_ASSERT_GREATER_OR_EQUAL_INT32(from, best.x);
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(to, best.x);
+            for (int i = 0; i <= 64; i++) {
+                const struct jp_evaluation e = evaluate(from + (int32_t)(((int64_t)to - from) * i / 64));
+
+                TEST_ASSERT_LESS_OR_EQUAL_INT32(e.energy + (e.idle >> 13), best.energy);
+            }
+        }
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(64, used);
+}
