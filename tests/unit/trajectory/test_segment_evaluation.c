@@ -210,3 +210,102 @@ static void test_the_search_finds_the_least_in_few_evaluations(void)
     }
     TEST_ASSERT_LESS_OR_EQUAL_INT32(64, used);
 }
+
+static uint32_t state;
+
+static int32_t any(int32_t low, int32_t high)
+{
+    state = state * 1664525U + 1013904223U;
+    return low + (int32_t)(((uint64_t)state * (uint32_t)(high - low + 1)) >> 32);
+}
+
+/* Limits that act on a part of the arcs alone, so that the slope jumps in between. */
+static void make_any(void)
+{
+    const struct jp_energy_model *model = &jp_energy_model_published;
+    const struct jp_segment_limits limit = {any(JP_Q24(0.1), JP_Q24(0.7)), any(JP_Q24(0.01), JP_Q24(0.15)), JP_Q24(1.4),
+                                            JP_Q16(600)};
+    const struct jp_motion before = {any(0, JP_Q24(0.8)), any(-JP_Q24(0.2), JP_Q24(0.2))};
+    const struct jp_point start = {0, 0};
+    const struct jp_point target = {any(-JP_Q16(8), JP_Q16(8)), any(-JP_Q16(8), JP_Q16(8))};
+    struct jp_voltage_terms voltage;
+    uint32_t distance;
+    jp_angle direction;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_segment_polar(&start, &target, &distance, &direction));
+    jp_voltage_terms(model, &before, &voltage);
+    jp_segment_problem_build(&problem, model, &limit, &before, &voltage, distance, direction,
+                             jp_segment_shortest(model->settling_time, &limit, distance));
+    reach = jp_segment_longest_half_arc(&problem);
+}
+
+/* The longest |x| whose duration is not beyond the longest: a little beyond it, it is. */
+static void test_the_reach_is_where_the_longest_duration_ends(void)
+{
+    unsigned within = 0;
+
+    state = 2;
+    for (unsigned k = 0; k < 60U; k++) {
+        make_any();
+        enum jp_acting_limit limit;
+        const double shortest = problem.xi_min * 0x1p-30;
+
+        TEST_ASSERT_TRUE(largest_share(reach, &limit) >= shortest * 0.9999);
+        if (reach < JP_HALF_ARC_MAX - (1 << 20)) {
+            TEST_ASSERT_TRUE(largest_share(reach + (1 << 20), &limit) < shortest * 1.0001);
+            within++;
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(0, within);
+}
+
+static void test_the_search_passes_kinks_in_few_evaluations(void)
+{
+    int used = 0;
+
+    state = 1;
+    for (unsigned k = 0; k < 100U; k++) {
+        struct jp_evaluation best = {.x = 0, .xi = 0};
+        int evaluations = JP_SEGMENT_EVALUATIONS;
+
+        make_any();
+        const int32_t low = jp_saturate32((int64_t)problem.bearing - 954437177);
+        const int32_t high = jp_saturate32((int64_t)problem.bearing + 954437177);
+        const int32_t from = low < -reach ? -reach : low;
+        const int32_t to = high > reach ? reach : high;
+
+        if (from < to) {
+            jp_segment_find_minimum(&problem, from, to, &evaluations, &best);
+            used += JP_SEGMENT_EVALUATIONS - evaluations;
+            for (int i = 0; i <= 16; i++) {
+                const struct jp_evaluation e = evaluate(from + (int32_t)(((int64_t)to - from) * i / 16));
+
+                TEST_ASSERT_LESS_OR_EQUAL_INT32(e.energy + (e.idle >> 13), best.energy);
+            }
+        }
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(229, used);
+}
+
+/* One evaluation more, and only a better one is kept. */
+static void test_one_arc_more(void)
+{
+    for (unsigned k = 0; k < (unsigned)PROBLEMS; k++) {
+        make(k);
+        struct jp_evaluation best = evaluate(reach);
+        const struct jp_evaluation worst = best;
+        const struct jp_evaluation inner = evaluate(reach / 2);
+        int evaluations = 0;
+
+        jp_segment_try(&problem, reach / 2, &evaluations, &best);
+        TEST_ASSERT_EQUAL_INT32(worst.x, best.x);
+        evaluations = 2;
+        jp_segment_try(&problem, reach / 2, &evaluations, &best);
+        TEST_ASSERT_EQUAL_INT(1, evaluations);
+        TEST_ASSERT_EQUAL_INT32(inner.energy + 8 < worst.energy ? reach / 2 : best.x, best.x);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(worst.energy, best.energy);
+        best = inner;
+        jp_segment_try(&problem, reach, &evaluations, &best);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(inner.energy, best.energy);
+    }
+}
