@@ -201,3 +201,15 @@ static void test_nothing_to_end(void)
     TEST_ASSERT_FALSE(jp_four_wheel_trip_end(&trip, &piece));
     TEST_ASSERT_EQUAL_INT32(-1, piece.duration);
 }
+
+/* Where the wheels stand when a trip begins is no way that they were steered. */
+static void test_a_trip_begins_with_the_wheels_as_they_stand(void)
+{
+    struct jp_wheels wheels = straight(JP_Q24(0.3));
+
+    wheels.angle[0] = DEGREES(45);
+    (void)tick(&wheels);
+    (void)tick(&wheels);
+    TEST_ASSERT_TRUE(jp_four_wheel_trip_end(&trip, &piece));
+    TEST_ASSERT_EQUAL_INT32(0, piece.travel);
+}

@@ -218,3 +218,45 @@ static void test_lines_share_the_places(void)
         TEST_ASSERT_EQUAL_INT32(JP_Q16(2), path.end.position.y);
     }
 }
+
+/* Stripes of half a metre, across both axes. */
+static uint8_t striped(const void *context, const struct jp_point *point)
+{
+    (void)context;
+    return (uint8_t)(((point->x >> 15) + (point->y >> 15)) & 1);
+}
+
+/* More changes than places on each line: none takes those of the lines after it. */
+static void test_no_line_takes_the_places_of_others(void)
+{
+    static const struct jp_point corners[3] = {{JP_Q16(4), 0}, {JP_Q16(4), JP_Q16(4)}, {0, JP_Q16(4)}};
+
+    ground.class_at = striped;
+    route.half_track = JP_Q16(0.125);
+    route.targets = corners;
+    for (uint16_t count = 1; count <= 3U; count++) {
+        route.count = count;
+        for (uint16_t places = (uint16_t)(2U * count); places <= (uint16_t)PLACES; places++) {
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, pieces, places, &route));
+            TEST_ASSERT_LESS_OR_EQUAL_UINT16(places, path.count);
+            TEST_ASSERT_EQUAL_INT32(corners[count - 1U].x, path.end.position.x);
+            TEST_ASSERT_EQUAL_INT32(corners[count - 1U].y, path.end.position.y);
+        }
+    }
+    route.count = 3;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY, jp_line_path(&path, pieces, 2, &route));
+}
+
+static void test_the_longest_line(void)
+{
+    ground.class_at = NULL;
+    ground.spacing = JP_Q16(64);
+    target.x = (jp_q16)(JP_PIECE_LENGTH_MAX >> 8);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, pieces, PLACES, &route));
+    target.x += 2;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, jp_line_path(&path, pieces, PLACES, &route));
+    target.x = JP_Q16(0.001) - 1;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, jp_line_path(&path, pieces, PLACES, &route));
+    target.x = JP_Q16(0.001);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, pieces, PLACES, &route));
+}

@@ -461,3 +461,18 @@ static void test_no_arc_lasts_longer_than_it_may(void)
         }
     }
 }
+
+/* Round the left or round the right: a target just to either side of right behind takes the same, however it turned
+ * before. */
+static void test_both_ways_round_are_looked_at(void)
+{
+    for (int i = -3; i <= 3; i++) {
+        const struct jp_motion before = {JP_Q24(0.3), i * JP_Q24(0.08)};
+        struct jp_segment left;
+        struct jp_segment right;
+
+        TEST_ASSERT_EQUAL_INT32(JP_OK, optimise_from(before, JP_Q16(-3), JP_Q16(0.002), &left));
+        TEST_ASSERT_EQUAL_INT32(JP_OK, optimise_from(before, JP_Q16(-3), -JP_Q16(0.002), &right));
+        TEST_ASSERT_INT32_WITHIN(left.energy / 500, left.energy, right.energy);
+    }
+}
