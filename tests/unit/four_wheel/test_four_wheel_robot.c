@@ -715,3 +715,44 @@ static void test_counts_may_jump_as_far_as_is_said(void)
         TEST_ASSERT_EQUAL_UINT32(1, telemetry.dropped_frames);
     }
 }
+
+/* Orders that come again and again are driven on, longer than one lasts. */
+static void test_orders_that_are_renewed_last(void)
+{
+    stand();
+    renew(&ahead, 4 * config.twist_ticks);
+    TEST_ASSERT_EQUAL_INT32(ahead.x, telemetry.reference.x);
+}
+
+/* What was told before it was switched off is not driven when it is switched on. */
+static void test_orders_before_a_disable_are_forgotten(void)
+{
+    stand();
+    renew(&ahead, 10);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_drive(&robot, &ahead));
+    jp_four_wheel_robot_disable(&robot);
+    tick(JP_OK);
+    stand();
+    tick(JP_OK);
+    TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_STANDING, telemetry.state);
+    TEST_ASSERT_EQUAL_INT32(0, telemetry.reference.x);
+}
+
+/* Sideways, the odometry is what the wheels rolled. */
+static void test_sideways_it_gets_as_far_as_its_wheels(void)
+{
+    const struct jp_twist aside = {.y = JP_Q24(0.3)};
+
+    stand();
+    renew(&aside, 100);
+    const int64_t before = telemetry.odometry.y;
+    const uint32_t counted = sensors.count[0];
+
+    renew(&aside, 300);
+    const int64_t counts = (int32_t)(sensors.count[0] - counted);
+    const int32_t way = (int32_t)(((telemetry.odometry.y - before) * 1000) >> 32);           /* mm */
+    const int32_t rolled_way = (int32_t)((counts * config.count_speed / RATE * 1000) >> 32); /* mm */
+
+    TEST_ASSERT_INT32_WITHIN(1, rolled_way < 0 ? -rolled_way : rolled_way, way);
+    TEST_ASSERT_GREATER_THAN_INT32(800, way);
+}

@@ -309,3 +309,59 @@ static void test_one_arc_more(void)
         TEST_ASSERT_LESS_OR_EQUAL_INT32(inner.energy, best.energy);
     }
 }
+
+/* J of the model for the same arc and duration. */
+static double joules_of(const struct jp_energy_model *model, const struct jp_motion *before, double distance,
+                        double time_min, int32_t at, double share)
+{
+    const double pi = 3.14159265358979323846;
+    const int32_t turned = (int32_t)((uint32_t)problem.bearing - (uint32_t)at);
+    const double duration = time_min / share;
+    struct jp_arc arc;
+    jp_q16 energy;
+
+    jp_arc_at(at, &arc);
+    const struct jp_segment_command command = {
+        .motion = {.speed = (jp_q24)(16 * distance * (arc.shape * 0x1p-31) / duration * 0x1p24),
+                   .turn_rate = (jp_q24)(2 * pi * (at * 0x1p-31) / duration * 0x1p24)},
+        .turn = (jp_q24)(pi * (turned * 0x1p-31) * 0x1p24),
+        .duration = (jp_q16)(duration * 65536)};
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_energy_predict(model, before, &command, &energy));
+    return energy / 65536.0;
+}
+
+/* Of models of which every part counts, and robots in motion: the problem differs from the model by a factor, which is
+ * that of the idle power, and a constant. */
+static void test_a_problem_is_the_energy_of_its_model(void)
+{
+    static const struct jp_motion before = {JP_Q24(0.3), JP_Q24(0.15)};
+    const struct jp_segment_limits limit = {JP_Q24(1), JP_Q24(0.9), JP_Q24(3), JP_Q16(200)};
+    struct jp_voltage_terms voltage;
+
+    for (int i = -1; i < JP_ENERGY_TERMS; i++) {
+        struct jp_energy_model model = jp_energy_model_published;
+        const double distance = 3.0;
+
+        if (i >= 0) {
+            model.a[i] += JP_Q16(12);
+        }
+        const jp_q16 time_min = jp_segment_shortest(model.settling_time, &limit, (uint32_t)(distance * 0x1p22));
+
+        jp_voltage_terms(&model, &before, &voltage);
+        jp_segment_problem_build(&problem, &model, &limit, &before, &voltage, (uint32_t)(distance * 0x1p22),
+                                 JP_ANGLE_DEGREES(40), time_min);
+        const double shortest = time_min / 65536.0;
+        const double unit = model.electronics_power / 65536.0 * shortest / problem.power;
+        const double constant = joules_of(&model, &before, distance, shortest, 0, 0.5) - energy_at(0, 0.5) * unit;
+
+        for (int k = 0; k < 12; k++) {
+            const int32_t at = (k - 5) * (1 << 27);
+            const double share = 0.3 + 0.05 * k;
+            const double joules = joules_of(&model, &before, distance, shortest, at, share);
+
+            TEST_ASSERT_INT32_WITHIN(400, (int32_t)(joules * 1e4),
+                                     (int32_t)((energy_at(at, share) * unit + constant) * 1e4));
+        }
+    }
+}

@@ -263,3 +263,69 @@ static void test_changes_of_speed_are_those_of_the_energy(void)
         TEST_ASSERT_NEAR(0.02f, energies, costs); /* but for whole set-points */
     }
 }
+
+/* e^(-x), x >= 0. */
+static double falling(double x)
+{
+    double sum = 1.0;
+    double term = 1.0;
+
+    for (int n = 1; n < 40; n++) {
+        term *= x / n;
+        sum += term;
+    }
+    return 1.0 / sum;
+}
+
+/* ∫ of what voltages by currents are more than in the steady motion, in small steps. */
+static float start_cost_in_steps(const struct jp_trajectory_config *config, const jp_q24 modes[JP_TRAVEL_MODES],
+                                 jp_q24 speed)
+{
+    const double step = 0.002;
+    const double steady = config->volts[0] * 0x1p-16 * (speed * 0x1p-24);
+    const double kept = (double)rates.back_emf;
+    double left[JP_TRAVEL_MODES];
+    double keep[JP_TRAVEL_MODES];
+    double sum = 0.0;
+
+    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+        const double factor = falling(jp_mode_rate(config, i) * 0x1p-16 * step / 2);
+
+        keep[i] = factor * factor;
+        left[i] = modes[i] * 0x1p-24 * factor; /* in the middle of the step */
+    }
+    for (int k = 0; k < 20000; k++) {
+        double volts = steady;
+        double motion = speed * 0x1p-24;
+
+        for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+            volts += config->modes.volts[i] * 0x1p-16 * left[i];
+            motion += left[i];
+            left[i] *= keep[i];
+        }
+        sum += volts * (volts - kept * motion) - steady * (steady - kept * speed * 0x1p-24);
+    }
+    return (float)(sum * step * (double)rates.power);
+}
+
+static void test_a_start_takes_what_its_modes_do(void)
+{
+    const struct jp_trajectory_config *config = &jp_robot_courier24.trajectory;
+
+    for (int e = 0; e < 2; e++) {
+        const struct jp_back_emf back_emf = {e == 0 ? 0 : config->volts[0] / 2, 0};
+
+        jp_cost_rates_make(&rates, config, &jp_energy_model_courier24, &back_emf, JP_Q24(0.5));
+        for (unsigned i = 0; i <= JP_TRAVEL_MODES; i++) {
+            jp_q24 modes[JP_TRAVEL_MODES];
+
+            for (unsigned j = 0; j < JP_TRAVEL_MODES; j++) {
+                modes[j] = i == j || i == JP_TRAVEL_MODES ? JP_Q24(0.3) - (jp_q24)j * JP_Q24(0.2) : 0;
+            }
+            const float cost = jp_start_cost(&rates, config, modes, JP_Q24(0.5));
+            const float expected = start_cost_in_steps(config, modes, JP_Q24(0.5));
+
+            TEST_ASSERT_NEAR(0.02f, expected, cost);
+        }
+    }
+}
