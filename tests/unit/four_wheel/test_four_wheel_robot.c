@@ -756,3 +756,55 @@ static void test_sideways_it_gets_as_far_as_its_wheels(void)
     TEST_ASSERT_INT32_WITHIN(1, rolled_way < 0 ? -rolled_way : rolled_way, way);
     TEST_ASSERT_GREATER_THAN_INT32(800, way);
 }
+
+/* Up to 32 767 W. */
+static void test_the_greatest_power(void)
+{
+    config = usual;
+    config.limits.voltage_min = 1;
+    config.limits.voltage_max = JP_Q16_ONE;
+    config.limits.current = JP_Q16(32767);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_init(&robot, &config, &refused));
+    config.limits.current++;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_four_wheel_robot_init(&robot, &config, &refused));
+    TEST_ASSERT_EQUAL_STRING("limits.current", refused);
+}
+
+/* As far as it may, for as long as you like; a little farther only for some ticks. */
+static void test_a_wheel_may_lag_behind_as_far_as_is_said(void)
+{
+    for (int i = 0; i < JP_WHEELS; i++) {
+        const bool is_left = i == (int)JP_FRONT_LEFT || i == (int)JP_REAR_LEFT;
+
+        for (int sign = -1; sign <= 1; sign += 2) {
+            start();
+            stand();
+            sensors.angle[i] = sign * config.limits.angle_lag;
+            for (uint32_t k = 0; k < 3U * config.limits.lag_ticks; k++) {
+                tick(JP_OK);
+            }
+            TEST_ASSERT_EQUAL_HEX16(0, telemetry.faults);
+            sensors.angle[i] += sign;
+            for (uint32_t k = 0; k < 3U * config.limits.lag_ticks; k++) {
+                tick(JP_OK);
+            }
+            TEST_ASSERT_EQUAL_HEX16(is_left ? JP_FAULT_STALLED_LEFT : JP_FAULT_STALLED_RIGHT, telemetry.faults);
+        }
+    }
+}
+
+/* About one of its wheels, which stands: it stands when the others do. */
+static void test_one_wheel_that_stands_is_not_the_robot(void)
+{
+    static const struct jp_twist about = {-JP_Q24(0.11), JP_Q24(0.125), JP_Q24(0.5)};
+
+    stand();
+    renew(&about, 150);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_drive(&robot, &rest));
+    drive(1);
+    TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_DRIVING, telemetry.state);
+    TEST_ASSERT_EQUAL_INT32(0, telemetry.wheels.speed[JP_REAR_RIGHT]);
+    TEST_ASSERT_TRUE(telemetry.wheels.speed[JP_FRONT_LEFT] != 0);
+    drive(100);
+    TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_STANDING, telemetry.state);
+}

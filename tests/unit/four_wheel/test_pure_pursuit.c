@@ -494,11 +494,11 @@ static void test_a_path_ends_with_its_last_point(void)
     struct jp_twist alone;
 
     follow(more, 3);
-    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(3.5), JP_Q16(0.5), EAST, JP_Q24(1)));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(3.7), JP_Q16(0.5), EAST, JP_Q24(1)));
     alone = twist;
     TEST_ASSERT_LESS_THAN_INT32(0, alone.turn_rate);
     follow(&more[1], 2);
-    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(3.5), JP_Q16(0.5), EAST, JP_Q24(1)));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(3.7), JP_Q16(0.5), EAST, JP_Q24(1)));
     TEST_ASSERT_EQUAL_INT32(alone.x, twist.x);
     TEST_ASSERT_EQUAL_INT32(alone.turn_rate, twist.turn_rate);
 }
