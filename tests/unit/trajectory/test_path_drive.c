@@ -679,12 +679,12 @@ static void test_pace_of_the_heading(void)
 /* Begun anew in the midst of it, it is the same drive from the begin on. */
 static void test_a_path_begins_anew(void)
 {
-    struct jp_path_set_point first[40];
+    static struct jp_path_set_point first[20];
 
     add_line(0.05);
     add_line(0.05);
     begin();
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < 20; i++) {
         TEST_ASSERT_TRUE(jp_path_drive_advance(&drive, &first[i]));
     }
     for (int i = 0; i < 100; i++) {
@@ -693,7 +693,7 @@ static void test_a_path_begins_anew(void)
     TEST_ASSERT_GREATER_THAN_UINT16(0, jp_path_drive_piece(&drive));
     jp_path_drive_begin(&drive, &path);
     TEST_ASSERT_EQUAL_UINT16(0, jp_path_drive_piece(&drive));
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < 20; i++) {
         TEST_ASSERT_TRUE(jp_path_drive_advance(&drive, &at));
         TEST_ASSERT_EQUAL_INT32(first[i].motion.speed, at.motion.speed);
         TEST_ASSERT_EQUAL_INT32(first[i].pose.position.x, at.pose.position.x);

@@ -281,7 +281,7 @@ static double falling(double x)
 static float start_cost_in_steps(const struct jp_trajectory_config *config, const jp_q24 modes[JP_TRAVEL_MODES],
                                  jp_q24 speed)
 {
-    const double step = 0.002;
+    const double step = 0.005;
     const double steady = config->volts[0] * 0x1p-16 * (speed * 0x1p-24);
     const double kept = (double)rates.back_emf;
     double left[JP_TRAVEL_MODES];
@@ -294,7 +294,7 @@ static float start_cost_in_steps(const struct jp_trajectory_config *config, cons
         keep[i] = factor * factor;
         left[i] = modes[i] * 0x1p-24 * factor; /* in the middle of the step */
     }
-    for (int k = 0; k < 20000; k++) {
+    for (int k = 0; k < 4000; k++) {
         double volts = steady;
         double motion = speed * 0x1p-24;
 
