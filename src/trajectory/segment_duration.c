@@ -87,7 +87,7 @@ static int32_t newton_step(int32_t power, int32_t a, int32_t b, int32_t tau)
 }
 
 /*
- * The ξ where a ξ³ + b ξ² = P, in Q30, at most 1, to about 2⁻¹⁵ of itself: E changes only to second order.
+ * The ξ where a ξ³ + b ξ² = P, in Q30, at most 1, to about 2⁻⁹ of itself: E changes only to second order.
  *
  * Newton on P τ³ − b τ − a with τ = 1/ξ scaled by 2⁻ᵏ, so that the largest root is below 1. From above it converges
  * without overshoot; from anywhere else the first step leads above. Without a root the result has no meaning.

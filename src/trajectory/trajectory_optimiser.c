@@ -6,6 +6,7 @@
 #include "src/base/plane.h"
 #include "src/trajectory/trajectory_corner.h"
 #include "src/trajectory/trajectory_cost.h"
+#include "src/trajectory/trajectory_newton.h"
 #include "src/trajectory/trajectory_outline.h"
 
 #define ANGLE_TO_RADIANS (JP_PLANE_PI * 0x1p-31f)
@@ -21,9 +22,6 @@
 /** Largest step of a heading, rad, and of a speed by the cruise. */
 #define TURN_MAX   0.3f
 #define CHANGE_MAX 0.25f
-
-/** A curvature is taken to be positive, and at least so large. */
-#define CURVE_LEAST 1.0e-12f
 
 /** A step is halved so often. */
 #define HALVINGS 3U
@@ -189,53 +187,6 @@ static enum jp_status evaluate_leg(struct jp_trajectory_optimiser_internal *inte
     return status;
 }
 
-/* ---- Newton's step: L D Lᵀ of the blocks, with positive pivots ---- */
-
-static float positive(float pivot)
-{
-    return jp_plane_larger(jp_plane_magnitude(pivot), CURVE_LEAST);
-}
-
-/** Takes a place out of the next one's equations; its factors stay in it. */
-static void eliminate(struct jp_optimiser_place *place, struct jp_optimiser_place *next)
-{
-    const float first = positive(place->curve[0]);
-    const float lower = place->curve[1] / first;
-    const float second = positive(place->curve[2] - lower * place->curve[1]);
-
-    place->curve[0] = 1.0f / first;
-    place->curve[1] = lower;
-    place->curve[2] = 1.0f / second;
-    place->step[0] = -place->slope[0];
-    place->step[1] = -place->slope[1] - lower * place->step[0];
-    for (unsigned j = 0; j < JP_COST_VARIABLES && next != NULL; j++) {
-        place->coupling[1][j] -= lower * place->coupling[0][j];
-        next->slope[j] += place->coupling[0][j] * place->curve[0] * place->step[0] +
-                          place->coupling[1][j] * place->curve[2] * place->step[1];
-    }
-    if (next != NULL) {
-        const float *const heading = place->coupling[0];
-        const float *const speed = place->coupling[1];
-
-        next->curve[0] -= heading[0] * heading[0] * place->curve[0] + speed[0] * speed[0] * place->curve[2];
-        next->curve[1] -= heading[0] * heading[1] * place->curve[0] + speed[0] * speed[1] * place->curve[2];
-        next->curve[2] -= heading[1] * heading[1] * place->curve[0] + speed[1] * speed[1] * place->curve[2];
-    }
-}
-
-static void substitute_backward(struct jp_optimiser_place *place, const struct jp_optimiser_place *next)
-{
-    float heading = place->step[0];
-    float speed = place->step[1];
-
-    for (unsigned j = 0; j < JP_COST_VARIABLES && next != NULL; j++) {
-        heading -= place->coupling[0][j] * next->step[j];
-        speed -= place->coupling[1][j] * next->step[j];
-    }
-    place->step[1] = speed * place->curve[2];
-    place->step[0] = heading * place->curve[0] - place->curve[1] * place->step[1];
-}
-
 /** From the derivatives of the best passages. */
 static void solve(struct jp_trajectory_optimiser_internal *internal)
 {
@@ -243,20 +194,10 @@ static void solve(struct jp_trajectory_optimiser_internal *internal)
     const float cruise = (float)internal->config.task.cruise * Q24_TO_FLOAT;
     float farthest = 1.0f; /* by the largest step */
 
-    internal->foretold = 0.0f;
+    internal->foretold = jp_newton_step(places, internal->legs);
     for (uint16_t i = 0; i < internal->legs; i++) {
-        struct jp_optimiser_place *place = &places[i];
-
-        eliminate(place, i + 1U < internal->legs ? place + 1 : NULL);
-        internal->foretold += 0.5f * (place->step[0] * place->step[0] * place->curve[0] +
-                                      place->step[1] * place->step[1] * place->curve[2]);
-    }
-    for (uint16_t i = internal->legs; i > 0U; i--) {
-        struct jp_optimiser_place *place = &places[i - 1U];
-
-        substitute_backward(place, i < internal->legs ? place + 1 : NULL);
-        farthest = jp_plane_larger(farthest, jp_plane_magnitude(place->step[0]) / TURN_MAX);
-        farthest = jp_plane_larger(farthest, jp_plane_magnitude(place->step[1]) / (CHANGE_MAX * cruise));
+        farthest = jp_plane_larger(farthest, jp_plane_magnitude(places[i].step[0]) / TURN_MAX);
+        farthest = jp_plane_larger(farthest, jp_plane_magnitude(places[i].step[1]) / (CHANGE_MAX * cruise));
     }
     internal->share = 1.0f / farthest;
     internal->halvings = HALVINGS;

@@ -345,6 +345,36 @@ static void test_takes_no_state_that_cannot_be(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_battery_restore(&battery, &config, &sound, 0, NULL));
 }
 
+/* What just can be, is taken. */
+static void test_takes_states_at_their_limits(void)
+{
+    const struct jp_battery_state sound = saved();
+    const char *field = NULL;
+    struct jp_battery_state state;
+
+#define TAKEN(member, value)                                                                                           \
+    do {                                                                                                               \
+        state = sound;                                                                                                 \
+        state.member = (value);                                                                                        \
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_battery_restore(&battery, &config, &state, 0, &field));                        \
+    } while (0)
+    TAKEN(capacity, CAPACITY * COULOMB * 2);
+    TAKEN(charge, 0);
+    TAKEN(charge, sound.capacity);
+    TAKEN(filter.resistance, Q48 / 4);
+    TAKEN(filter.resistance, Q48 * 16);
+    TAKEN(filter.slowness, Q48 / 16);
+    TAKEN(filter.slowness, Q48 * 16);
+    TAKEN(filter.offset, -Q48);
+    TAKEN(filter.offset, Q48);
+    TAKEN(filter.covariance[2][2], 1);
+    TAKEN(filter.covariance[2][2], Q48);
+    state = sound;
+    state.charge = 0;
+    state.capacity = CAPACITY * COULOMB / 4;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_battery_restore(&battery, &config, &state, 0, &field));
+}
+
 /* What is left */
 
 /** J, whole. */

@@ -26,6 +26,21 @@ static jp_q16 predict(struct jp_motion before, struct jp_segment_command segment
     return energy;
 }
 
+/* What has no fraction is not rounded. */
+static void test_a_stand_takes_what_the_electronics_take(void)
+{
+    struct jp_energy_model model = jp_energy_model_published;
+    const struct jp_segment_command stand = {{0, 0}, 0, JP_Q16(20)};
+    jp_q16 energy = 0;
+
+    model.electronics_power = JP_Q16(5.75);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_energy_predict(&model, &rest, &stand, &energy));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(115), energy);
+    model.electronics_power = JP_Q16(5.75) - 1; /* 20 bits of 2⁻¹⁶ J less */
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_energy_predict(&model, &rest, &stand, &energy));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(115) - 20, energy);
+}
+
 static void test_published_model_passes_its_check(void)
 {
     const char *field = NULL;

@@ -401,3 +401,48 @@ static void test_a_metre_beyond_its_format(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_four_wheel_energy_metre(&config, JP_Q24_ONE, JP_Q24_ONE, &joules));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, joules);
 }
+
+static void test_nothing_scaled_is_nothing(void)
+{
+    static const jp_q16 ones[JP_FOUR_WHEEL_FACTORS] = {JP_Q16_ONE, JP_Q16_ONE, JP_Q16_ONE, JP_Q16_ONE};
+    struct jp_four_wheel_energy_model none = config;
+    struct jp_four_wheel_energy_model scaled;
+
+    none.rolling = 0;
+    none.drag = 0;
+    none.copper_driving = 0;
+    none.copper_braking = 0;
+    none.steering = 0;
+    none.electronics_power = 0;
+    jp_four_wheel_energy_scale(&none, ones, &scaled);
+    TEST_ASSERT_EQUAL_MEMORY(&none, &scaled, sizeof scaled);
+}
+
+static int64_t energy_of_change(struct jp_twist from, struct jp_twist to, jp_q24 grade, jp_q24 bank)
+{
+    drive = (struct jp_four_wheel_drive){0};
+    piece = (struct jp_four_wheel_piece){.start = from, .end = to, .grade = grade, .bank = bank, .duration = JP_Q16(2)};
+    add();
+    return drive.energy;
+}
+
+/* Wheels that are steered to all sides: to become faster takes the same in each direction, slope and all. */
+static void test_a_change_of_speed_takes_the_same_in_any_direction(void)
+{
+    static const jp_q24 speeds[][2] = {{0, JP_Q24(1)}, {JP_Q24(1), JP_Q24(0.25)}, {JP_Q24(0.5), JP_Q24(0.75)}};
+
+    config.inertia = JP_Q24(1);
+    for (unsigned i = 0; i < sizeof speeds / sizeof speeds[0]; i++) {
+        const jp_q24 a = speeds[i][0];
+        const jp_q24 b = speeds[i][1];
+        const jp_q24 slope = JP_Q24(0.05);
+        const int64_t ahead = energy_of_change((struct jp_twist){.x = a}, (struct jp_twist){.x = b}, slope, 0);
+
+        TEST_ASSERT_INT64_WITHIN(64, ahead,
+                                 energy_of_change((struct jp_twist){.x = -a}, (struct jp_twist){.x = -b}, -slope, 0));
+        TEST_ASSERT_INT64_WITHIN(64, ahead,
+                                 energy_of_change((struct jp_twist){.y = a}, (struct jp_twist){.y = b}, 0, slope));
+        TEST_ASSERT_INT64_WITHIN(64, ahead,
+                                 energy_of_change((struct jp_twist){.y = -a}, (struct jp_twist){.y = -b}, 0, -slope));
+    }
+}

@@ -466,3 +466,17 @@ static void test_the_windings_take_the_square_of_the_weight(void)
     TEST_ASSERT_EQUAL_INT32(JP_Q16(225), scaled.copper_driving);
     TEST_ASSERT_EQUAL_INT32(JP_Q16(56.25), scaled.copper_braking);
 }
+
+static void test_nothing_scaled_is_nothing(void)
+{
+    static const jp_q16 ones[JP_SKID_FACTORS] = {JP_Q16_ONE, JP_Q16_ONE, JP_Q16_ONE, JP_Q16_ONE};
+    struct jp_skid_energy_model none = round_numbers;
+    struct jp_skid_energy_model scaled;
+
+    none.rolling = 0;
+    none.copper_driving = 0;
+    none.copper_braking = 0;
+    none.electronics_power = 0;
+    jp_skid_energy_scale(&none, ones, &scaled);
+    TEST_ASSERT_EQUAL_MEMORY(&none, &scaled, sizeof scaled);
+}

@@ -655,3 +655,90 @@ static void test_same_bits_everywhere(void)
     }
     TEST_ASSERT_EQUAL_HEX32(0xA832D981, hash);
 }
+
+static void test_a_twist_is_of_every_angle_below_a_quarter(void)
+{
+    const int32_t quarter = (int32_t)1 << 30;
+    struct jp_twist twist;
+
+    TEST_ASSERT_NOT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_twist(&robot, JP_Q24(1), quarter - 1, &twist));
+    TEST_ASSERT_NOT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_twist(&robot, JP_Q24(1), 1 - quarter, &twist));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_twist(&robot, JP_Q24(1), quarter, &twist));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_twist(&robot, JP_Q24(1), -quarter, &twist));
+}
+
+static void test_wheels_may_be_as_fast_as_they_can(void)
+{
+    const struct jp_twist fastest = {.x = robot.speed_max};
+    const struct jp_twist faster = {.x = robot.speed_max + 1};
+    struct jp_wheels wheels = at_rest;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_inverse(&robot, &fastest, &wheels));
+    TEST_ASSERT_EQUAL_INT32(robot.speed_max, wheels.speed[0]);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, jp_four_wheel_inverse(&robot, &faster, &wheels));
+}
+
+/* Whichever wheel it is that rolls, or that is too far from its direction. */
+static void test_one_wheel_makes_all_stand(void)
+{
+    const struct jp_twist ahead = {.x = JP_Q24(0.5)};
+    enum jp_steering steering;
+
+    for (int k = 0; k < (int)JP_WHEELS; k++) {
+        struct jp_wheels far = {{0}, {JP_Q24(0.5), JP_Q24(0.5), JP_Q24(0.5), JP_Q24(0.5)}};
+        struct jp_wheels rolling = {{DEGREES(85), DEGREES(85), DEGREES(85), DEGREES(85)}, {0}};
+
+        far.angle[k] = DEGREES(85);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_tick(&robot, &ahead, &far, &steering));
+        TEST_ASSERT_EQUAL_INT(JP_STEERING_STANDSTILL, steering);
+        TEST_ASSERT_EQUAL_INT32(DEGREES(85), far.angle[k]);
+        rolling.speed[k] = JP_Q24(0.5);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_tick(&robot, &ahead, &rolling, &steering));
+        TEST_ASSERT_EQUAL_INT(JP_STEERING_STANDSTILL, steering);
+        TEST_ASSERT_EQUAL_INT32(DEGREES(85), rolling.angle[k]);
+    }
+}
+
+static void test_one_wheel_off_its_goal_is_no_alignment(void)
+{
+    const struct jp_twist ahead = {.x = JP_Q24(0.5)};
+    enum jp_steering steering;
+
+    for (int k = 0; k < (int)JP_WHEELS; k++) {
+        struct jp_wheels turned = {{0}, {JP_Q24(0.5), JP_Q24(0.5), JP_Q24(0.5), JP_Q24(0.5)}};
+        struct jp_wheels slow = turned;
+        struct jp_wheels there = turned;
+
+        turned.angle[k] = DEGREES(5);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_tick(&robot, &ahead, &turned, &steering));
+        TEST_ASSERT_EQUAL_INT(JP_STEERING_LIMITED, steering);
+        slow.speed[k] = JP_Q24(0.3);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_tick(&robot, &ahead, &slow, &steering));
+        TEST_ASSERT_EQUAL_INT(JP_STEERING_LIMITED, steering);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_tick(&robot, &ahead, &there, &steering));
+        TEST_ASSERT_EQUAL_INT(JP_STEERING_ALIGNED, steering);
+    }
+}
+
+/* About one of its wheels, which stands, the others roll: not at a stand. */
+static void test_one_wheel_that_stands_is_no_stand(void)
+{
+    const jp_q24 rate = JP_Q24(0.8);
+    enum jp_steering steering;
+
+    for (int k = 0; k < (int)JP_WHEELS; k++) {
+        const bool is_front = k == (int)JP_FRONT_LEFT || k == (int)JP_FRONT_RIGHT;
+        const bool is_left = k == (int)JP_FRONT_LEFT || k == (int)JP_REAR_LEFT;
+        const struct jp_twist about = {jp_q24_multiply(rate, is_left ? JP_Q24(0.4) : -JP_Q24(0.4)),
+                                       jp_q24_multiply(rate, is_front ? -JP_Q24(0.3) : JP_Q24(0.3)), rate};
+        struct jp_wheels wheels = at_rest;
+
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_inverse(&robot, &about, &wheels));
+        for (int i = 0; i < (int)JP_WHEELS; i++) {
+            wheels.speed[i] = 0;
+        }
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_tick(&robot, &about, &wheels, &steering));
+        TEST_ASSERT_INT32_WITHIN(JP_WHEEL_HOLD_SPEED, 0, wheels.speed[k]);
+        TEST_ASSERT_EQUAL_INT(JP_STEERING_LIMITED, steering);
+    }
+}

@@ -150,6 +150,122 @@ static void test_the_configuration_is_checked(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_robot_init(&robot, &usual, NULL));
 }
 
+static void test_ticks_are_counted(void)
+{
+    for (uint32_t i = 1; i <= 5U; i++) {
+        tick(i == 3U ? JP_ERR_STATE : JP_OK);
+        TEST_ASSERT_EQUAL_UINT32(i, telemetry.tick);
+    }
+}
+
+/* Wherever the encoders begin, the first frame is no motion. */
+static void test_the_first_frame_moves_nothing(void)
+{
+    for (int i = 0; i < JP_WHEELS; i++) {
+        sensors.count[i] = 123456U * (uint32_t)(i + 1);
+    }
+    tick(JP_OK);
+    TEST_ASSERT_EQUAL_INT32(0, telemetry.odometry.twist.x);
+    TEST_ASSERT_EQUAL_INT32(0, telemetry.odometry.twist.turn_rate);
+    TEST_ASSERT_EQUAL_INT64(0, telemetry.odometry.x);
+    TEST_ASSERT_EQUAL_INT64(0, telemetry.odometry.y);
+}
+
+/* What was asked for before is not done after it. */
+static void test_a_disable_takes_an_enable_back(void)
+{
+    tick(JP_OK);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_enable(&robot));
+    jp_four_wheel_robot_disable(&robot);
+    for (int i = 0; i < 3; i++) {
+        tick(JP_OK);
+        TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_IDLE, telemetry.state);
+        TEST_ASSERT_EQUAL_UINT32(0, actuation.enabled);
+    }
+}
+
+/* Nor what was asked for while it failed. */
+static void test_an_enable_of_a_tick_that_fails_is_over(void)
+{
+    tick(JP_OK);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_enable(&robot));
+    for (uint32_t i = 0; i <= config.limits.confirm_ticks; i++) {
+        tick(JP_ERR_HARDWARE);
+    }
+    jp_four_wheel_robot_disable(&robot);
+    for (int i = 0; i < 4; i++) {
+        tick(JP_OK);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_IDLE, telemetry.state);
+}
+
+/* Any motion that is told is driving, from the first tick on, while wheels are steered at a stand, too. */
+static void test_any_motion_is_driving(void)
+{
+    static const struct jp_twist twists[] = {
+        {JP_Q24(0.3), 0, 0},  {-JP_Q24(0.3), 0, 0}, {0, JP_Q24(0.3), 0},
+        {0, -JP_Q24(0.3), 0}, {0, 0, JP_Q24(0.5)},  {0, 0, -JP_Q24(0.5)},
+    };
+
+    for (unsigned i = 0; i < sizeof twists / sizeof twists[0]; i++) {
+        start();
+        stand();
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_drive(&robot, &twists[i]));
+        drive(1);
+        TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_DRIVING, telemetry.state);
+        renew(&twists[i], 100);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_drive(&robot, &rest));
+        drive(1);
+        TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_DRIVING, telemetry.state); /* until its wheels have stopped */
+        drive(100);
+        TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_STANDING, telemetry.state);
+    }
+}
+
+/* Angle by angle and wheel by wheel. */
+static void test_each_wheel_of_a_snapshot_is_looked_at(void)
+{
+    struct jp_four_wheel_snapshot sound;
+
+    stand();
+    renew(&ahead, 20);
+    jp_four_wheel_robot_snapshot(&robot, &sound);
+    for (int i = 0; i < JP_WHEELS; i++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            struct jp_four_wheel_snapshot snapshot = sound;
+
+            snapshot.wheels.angle[i] = sign * config.wheels.steering_limit;
+            snapshot.wheels.speed[i] = sign * config.wheels.speed_max;
+            start();
+            TEST_ASSERT_TRUE(jp_four_wheel_robot_resume(&robot, &snapshot));
+            start();
+            snapshot.wheels.angle[i] += sign;
+            TEST_ASSERT_FALSE(jp_four_wheel_robot_resume(&robot, &snapshot));
+            snapshot.wheels.angle[i] = 0;
+            snapshot.wheels.speed[i] += sign;
+            TEST_ASSERT_FALSE(jp_four_wheel_robot_resume(&robot, &snapshot));
+        }
+    }
+}
+
+/* Beyond the limit of the steering and what a wheel may lag behind. */
+static void test_each_wheel_has_angles_that_cannot_be(void)
+{
+    for (int i = 0; i < JP_WHEELS; i++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const bool is_left = i == (int)JP_FRONT_LEFT || i == (int)JP_REAR_LEFT;
+
+            start();
+            stand();
+            sensors.angle[i] = sign * (DEGREES(120) + 2);
+            for (int k = 0; k < 8; k++) {
+                tick(JP_OK);
+            }
+            TEST_ASSERT_EQUAL_HEX16(is_left ? JP_FAULT_ENCODER_LEFT : JP_FAULT_ENCODER_RIGHT, telemetry.faults);
+        }
+    }
+}
+
 static void test_it_is_idle_and_off_until_it_is_enabled(void)
 {
     TEST_ASSERT_NULL(jp_four_wheel_robot_good_frame(&robot));
@@ -541,4 +657,154 @@ static void test_pieces_that_nobody_takes_are_lost(void)
         pieces++;
     }
     TEST_ASSERT_EQUAL_UINT(JP_FOUR_WHEEL_STRETCHES - 1U, pieces);
+}
+
+static void test_any_part_of_a_twist_has_its_range(void)
+{
+    jp_q24 numbers[3] = {0, 0, 0};
+
+    stand();
+    for (int i = 0; i < 3; i++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            numbers[i] = sign * JP_Q24(16);
+            TEST_ASSERT_EQUAL_INT(
+                JP_OK, jp_four_wheel_robot_drive(&robot, &(struct jp_twist){numbers[0], numbers[1], numbers[2]}));
+            numbers[i] += sign;
+            TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_four_wheel_robot_drive(
+                                                       &robot, &(struct jp_twist){numbers[0], numbers[1], numbers[2]}));
+            numbers[i] = 0;
+        }
+    }
+}
+
+/* On an arc it moves in the mean of its headings before and after. */
+static void test_a_tick_moves_it_in_its_mean_heading(void)
+{
+    const struct jp_twist arc = {.x = JP_Q24(0.5), .turn_rate = JP_Q24(0.8)};
+    struct jp_four_wheel_odometry before;
+
+    stand();
+    renew(&arc, 150);
+    for (int i = 0; i < 20; i++) {
+        before = telemetry.odometry;
+        renew(&arc, 10);
+        const int32_t dx = (int32_t)((telemetry.odometry.x - before.x) >> 8);
+        const int32_t dy = (int32_t)((telemetry.odometry.y - before.y) >> 8);
+        const jp_angle from = jp_phase_angle(before.heading);
+        const jp_angle turned = jp_phase_angle(telemetry.odometry.heading) - from;
+
+        TEST_ASSERT_INT32_WITHIN(DEGREES(0.1), 0, (int32_t)(jp_atan2(dy, dx) - from - turned / 2U));
+        TEST_ASSERT_INT32_WITHIN(DEGREES(0.2), (int32_t)jp_angle_from_radians(JP_Q24(0.08)), (int32_t)turned);
+    }
+}
+
+static void test_counts_may_jump_as_far_as_is_said(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        start();
+        tick(JP_OK);
+        for (int i = 0; i < 20; i++) {
+            for (int k = 0; k < JP_WHEELS; k++) {
+                sensors.count[k] += (uint32_t)(sign * (int32_t)config.limits.count_jump);
+            }
+            tick(JP_OK);
+            TEST_ASSERT_EQUAL_UINT32(0, telemetry.dropped_frames);
+        }
+        sensors.count[2] += (uint32_t)(sign * (int32_t)(config.limits.count_jump + 1U));
+        tick(JP_OK);
+        TEST_ASSERT_EQUAL_UINT32(1, telemetry.dropped_frames);
+    }
+}
+
+/* Orders that come again and again are driven on, longer than one lasts. */
+static void test_orders_that_are_renewed_last(void)
+{
+    stand();
+    renew(&ahead, 4 * config.twist_ticks);
+    TEST_ASSERT_EQUAL_INT32(ahead.x, telemetry.reference.x);
+}
+
+/* What was told before it was switched off is not driven when it is switched on. */
+static void test_orders_before_a_disable_are_forgotten(void)
+{
+    stand();
+    renew(&ahead, 10);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_drive(&robot, &ahead));
+    jp_four_wheel_robot_disable(&robot);
+    tick(JP_OK);
+    stand();
+    tick(JP_OK);
+    TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_STANDING, telemetry.state);
+    TEST_ASSERT_EQUAL_INT32(0, telemetry.reference.x);
+}
+
+/* Sideways, the odometry is what the wheels rolled. */
+static void test_sideways_it_gets_as_far_as_its_wheels(void)
+{
+    const struct jp_twist aside = {.y = JP_Q24(0.3)};
+
+    stand();
+    renew(&aside, 100);
+    const int64_t before = telemetry.odometry.y;
+    const uint32_t counted = sensors.count[0];
+
+    renew(&aside, 300);
+    const int64_t counts = (int32_t)(sensors.count[0] - counted);
+    const int32_t way = (int32_t)(((telemetry.odometry.y - before) * 1000) >> 32);           /* mm */
+    const int32_t rolled_way = (int32_t)((counts * config.count_speed / RATE * 1000) >> 32); /* mm */
+
+    TEST_ASSERT_INT32_WITHIN(1, rolled_way < 0 ? -rolled_way : rolled_way, way);
+    TEST_ASSERT_GREATER_THAN_INT32(800, way);
+}
+
+/* Up to 32 767 W. */
+static void test_the_greatest_power(void)
+{
+    config = usual;
+    config.limits.voltage_min = 1;
+    config.limits.voltage_max = JP_Q16_ONE;
+    config.limits.current = JP_Q16(32767);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_init(&robot, &config, &refused));
+    config.limits.current++;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_four_wheel_robot_init(&robot, &config, &refused));
+    TEST_ASSERT_EQUAL_STRING("limits.current", refused);
+}
+
+/* As far as it may, for as long as you like; a little farther only for some ticks. */
+static void test_a_wheel_may_lag_behind_as_far_as_is_said(void)
+{
+    for (int i = 0; i < JP_WHEELS; i++) {
+        const bool is_left = i == (int)JP_FRONT_LEFT || i == (int)JP_REAR_LEFT;
+
+        for (int sign = -1; sign <= 1; sign += 2) {
+            start();
+            stand();
+            sensors.angle[i] = sign * config.limits.angle_lag;
+            for (uint32_t k = 0; k < 3U * config.limits.lag_ticks; k++) {
+                tick(JP_OK);
+            }
+            TEST_ASSERT_EQUAL_HEX16(0, telemetry.faults);
+            sensors.angle[i] += sign;
+            for (uint32_t k = 0; k < 3U * config.limits.lag_ticks; k++) {
+                tick(JP_OK);
+            }
+            TEST_ASSERT_EQUAL_HEX16(is_left ? JP_FAULT_STALLED_LEFT : JP_FAULT_STALLED_RIGHT, telemetry.faults);
+        }
+    }
+}
+
+/* About one of its wheels, which stands: it stands when the others do. */
+static void test_one_wheel_that_stands_is_not_the_robot(void)
+{
+    static const struct jp_twist about = {-JP_Q24(0.11), JP_Q24(0.125), JP_Q24(0.5)};
+
+    stand();
+    renew(&about, 150);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_four_wheel_robot_drive(&robot, &rest));
+    drive(1);
+    TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_DRIVING, telemetry.state);
+    TEST_ASSERT_EQUAL_INT32(0, telemetry.wheels.speed[JP_REAR_RIGHT]);
+    TEST_ASSERT_TRUE(telemetry.wheels.speed[JP_FRONT_LEFT] != 0);
+    drive(100);
+    TEST_ASSERT_EQUAL_INT(JP_FOUR_WHEEL_ROBOT_STANDING, telemetry.state);
 }

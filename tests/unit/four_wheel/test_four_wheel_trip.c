@@ -100,6 +100,66 @@ static void test_the_next_piece_begins_where_one_ends(void)
     TEST_ASSERT_INT32_WITHIN(16, JP_Q24(0.3), piece.end.x);
 }
 
+/* Nothing of a piece is left in the next one, however it ended. */
+static void test_pieces_alike_are_alike(void)
+{
+    struct jp_wheels wheels = straight(JP_Q24(0.3));
+    struct jp_four_wheel_piece first;
+
+    (void)tick(&wheels);
+    for (int i = 0; i < 20; i++) {
+        wheels.angle[1] = i % 2 == 0 ? DEGREES(1) : 0;
+        (void)tick(&wheels);
+    }
+    first = piece;
+    TEST_ASSERT_INT32_WITHIN(16, JP_Q16(20 * 6.283185307 / 360), first.travel);
+    for (int i = 0; i < 20; i++) {
+        wheels.angle[1] = i % 2 == 0 ? DEGREES(1) : 0;
+        (void)tick(&wheels);
+    }
+    TEST_ASSERT_EQUAL_MEMORY(&first, &piece, sizeof piece);
+    for (int i = 0; i < 6; i++) {
+        wheels.angle[1] = i % 2 == 0 ? DEGREES(1) : 0;
+        (void)tick(&wheels);
+    }
+    TEST_ASSERT_TRUE(jp_four_wheel_trip_end(&trip, &piece));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(0.06), piece.duration);
+    TEST_ASSERT_EQUAL_INT32(JP_Q24(0.1), piece.grade);
+    TEST_ASSERT_EQUAL_INT32(-JP_Q24(0.05), piece.bank);
+    wheels = straight(JP_Q24(0.4));
+    TEST_ASSERT_FALSE(jp_four_wheel_trip_tick(&trip, &wheels, 0, 0, &piece));
+    TEST_ASSERT_TRUE(jp_four_wheel_trip_end(&trip, &piece));
+    TEST_ASSERT_EQUAL_INT32(0, piece.grade);
+    TEST_ASSERT_EQUAL_INT32(0, piece.bank);
+    TEST_ASSERT_INT32_WITHIN(16, JP_Q24(0.4), piece.end.x);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(0.01), piece.duration);
+}
+
+/* Sideways too: wheels at right angles. */
+static void test_a_piece_backwards_is_its_mirror_image(void)
+{
+    for (int i = 0; i < 21; i++) {
+        const struct jp_wheels wheels = straight(-JP_Q24(0.01) * i);
+
+        (void)tick(&wheels);
+    }
+    TEST_ASSERT_INT32_WITHIN(16, 0, piece.start.x);
+    TEST_ASSERT_INT32_WITHIN(16, -JP_Q24(0.2), piece.end.x);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        struct jp_wheels wheels = straight(sign * JP_Q24(0.3));
+
+        setUp();
+        for (int k = 0; k < (int)JP_WHEELS; k++) {
+            wheels.angle[k] = DEGREES(90);
+        }
+        for (int i = 0; i < 21; i++) {
+            (void)tick(&wheels);
+        }
+        TEST_ASSERT_INT32_WITHIN(16, 0, piece.end.x);
+        TEST_ASSERT_INT32_WITHIN(16, sign * JP_Q24(0.3), piece.end.y);
+    }
+}
+
 /* Wheel by wheel, either way. */
 static void test_steering_travel_is_summed_up(void)
 {
@@ -140,4 +200,16 @@ static void test_nothing_to_end(void)
     (void)tick(&wheels);
     TEST_ASSERT_FALSE(jp_four_wheel_trip_end(&trip, &piece));
     TEST_ASSERT_EQUAL_INT32(-1, piece.duration);
+}
+
+/* Where the wheels stand when a trip begins is no way that they were steered. */
+static void test_a_trip_begins_with_the_wheels_as_they_stand(void)
+{
+    struct jp_wheels wheels = straight(JP_Q24(0.3));
+
+    wheels.angle[0] = DEGREES(45);
+    (void)tick(&wheels);
+    (void)tick(&wheels);
+    TEST_ASSERT_TRUE(jp_four_wheel_trip_end(&trip, &piece));
+    TEST_ASSERT_EQUAL_INT32(0, piece.travel);
 }

@@ -465,3 +465,60 @@ static void test_drives_along_a_circle(void)
     TEST_ASSERT_INT32_WITHIN(60, 690, ticks); /* 12.6 m at 1 m/s, a second more to start and to stop */
     TEST_ASSERT_EQUAL_HEX32(0xDCB2354F, hash);
 }
+
+/* The corner is just where the lookahead ends: the way there is straight. */
+static void test_a_corner_at_the_lookahead_is_not_beyond_it(void)
+{
+    static const struct jp_point hook[] = {{0, 0}, {JP_Q16(1), 0}, {JP_Q16(0.5), JP_Q16(1)}};
+
+    follow(hook, COUNT(hook));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(0, 0, EAST, JP_Q24(1)));
+    TEST_ASSERT_EQUAL_INT32(0, twist.turn_rate);
+    TEST_ASSERT_GREATER_THAN_INT32(0, twist.x);
+}
+
+/* Right beside the robot: the arc through it has half the distance as its radius. */
+static void test_a_target_right_beside(void)
+{
+    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(2), 0, NORTH, JP_Q24(1)));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), -2 * twist.x, twist.turn_rate);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(2), 0, SOUTH, JP_Q24(1)));
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(0.01), 2 * twist.x, twist.turn_rate);
+}
+
+/* What lies behind the last point in the memory is not of the path. */
+static void test_a_path_ends_with_its_last_point(void)
+{
+    static const struct jp_point more[] = {{0, 0},           {JP_Q16(2), 0},  {JP_Q16(4), 0}, {JP_Q16(4), JP_Q16(0.6)},
+                                           {0, JP_Q16(0.6)}, {0, JP_Q16(0.7)}};
+    struct jp_twist alone;
+
+    follow(more, 3);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(3.7), JP_Q16(0.5), EAST, JP_Q24(1)));
+    alone = twist;
+    TEST_ASSERT_LESS_THAN_INT32(0, alone.turn_rate);
+    follow(&more[1], 2);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(3.7), JP_Q16(0.5), EAST, JP_Q24(1)));
+    TEST_ASSERT_EQUAL_INT32(alone.x, twist.x);
+    TEST_ASSERT_EQUAL_INT32(alone.turn_rate, twist.turn_rate);
+}
+
+static void test_the_shortest_period(void)
+{
+    const struct jp_point position = {0, 0};
+
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_pure_pursuit_tick(&tracker, &position, EAST, JP_Q24(0.5), 1, &twist));
+}
+
+/* As near as the tolerance it has arrived, and not before. */
+static void test_arrives_at_the_tolerance(void)
+{
+    config = settings;
+    config.tolerance = JP_Q24(0.0625);
+    use(&config);
+    follow(&straight[2], 2);
+    TEST_ASSERT_EQUAL_INT32(JP_OK, tick(JP_Q16(19.9375) - 1, 0, EAST, JP_Q24(0.1)));
+    TEST_ASSERT_GREATER_THAN_INT32(0, twist.x);
+    (void)tick(JP_Q16(19.9375), 0, EAST, JP_Q24(0.1));
+    TEST_ASSERT_EQUAL_INT32(0, twist.x);
+}

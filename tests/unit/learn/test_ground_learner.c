@@ -167,6 +167,7 @@ static void test_no_such_class_is_as_class_0(void)
     jp_q16 factor[FACTORS];
     jp_q16 deviation[FACTORS];
 
+    memset(learner.watches, 0x11, sizeof learner.watches); /* what lies beyond the last class */
     jp_ground_learner_factors(&learner, JP_GROUND_CLASSES, factor);
     jp_ground_learner_deviations(&learner, JP_GROUND_CLASSES, deviation);
     TEST_ASSERT_EQUAL_INT32(JP_Q16_ONE, factor[JP_GROUND_ROLLING]);
@@ -294,6 +295,36 @@ static void test_of_several_classes_the_most_is_told(void)
     parts[2][JP_GROUND_ROLLING] = JP_Q16(0.001);
     expect_leg();
     TEST_ASSERT_EQUAL_INT(JP_LEARNED_OUTLIER, learn(true_energy() + JP_Q16(200)));
+}
+
+/* Whichever of them comes first: the class whose noise is small has an outlier where the other learns. */
+static void test_the_most_is_told_in_either_order(void)
+{
+    for (unsigned sure = 1; sure <= 2U; sure++) {
+        setUp();
+        drive(6U, 60);
+        learner.states[sure].noise_scale = JP_Q16(0.25);
+        learner.states[3U - sure].noise_scale = JP_Q16(8);
+        memset(parts, 0, sizeof parts);
+        parts[1][JP_GROUND_ROLLING] = JP_Q16(20);
+        parts[2][JP_GROUND_ROLLING] = JP_Q16(20);
+        expect_leg();
+        TEST_ASSERT_EQUAL_INT(JP_LEARNED_OUTLIER, learn(true_energy() + JP_Q16(20)));
+        TEST_ASSERT_EQUAL_UINT32(1, learner.outliers);
+    }
+}
+
+static void test_straight_legs_teach_rolling_alone(void)
+{
+    truth[1][JP_GROUND_ROLLING] = JP_Q16(2);
+    for (unsigned i = 0; i < 40U; i++) {
+        memset(parts, 0, sizeof parts);
+        parts[1][JP_GROUND_ROLLING] = draw(JP_Q16(5), JP_Q16(60));
+        expect_leg();
+        TEST_ASSERT_EQUAL_INT(JP_LEARNED, learn(true_energy()));
+    }
+    expect_factor(1, JP_GROUND_ROLLING, JP_Q16(0.05));
+    expect_factor(1, JP_GROUND_FRICTION, 0);
 }
 
 /* ---- Forecast ---- */

@@ -185,6 +185,20 @@ static void test_a_reserve_is_the_forecast_and_its_margin(void)
     }
 }
 
+/* A margin is rounded up: of a bit and of two. */
+static void test_a_margin_is_no_less_than_it_is(void)
+{
+    const jp_q31 confidence = JP_PROBABILITY_MIN / 2 * 3; /* 0.674 of a deviation */
+    const struct jp_forecast bit = {JP_Q16(1), 1};
+    const struct jp_forecast two = {JP_Q16(1), 2};
+    jp_q16 spare = 0;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_reserve(&bit, JP_Q16(3), confidence, &spare));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(2) - 1, spare);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_reserve(&two, JP_Q16(3), confidence, &spare));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(2) - 2, spare);
+}
+
 static void test_a_reserve_saturates_and_refuses(void)
 {
     const struct jp_forecast most = {INT32_MAX, INT32_MAX};

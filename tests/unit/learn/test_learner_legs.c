@@ -194,6 +194,39 @@ static void test_legs_have_their_own_noise(void)
     TEST_ASSERT_INT32_WITHIN(JP_Q16(0.1), JP_Q16(49), (int32_t)sum.variance); /* 2² + 3² + 6² J² */
 }
 
+/* All transients count as spent, to the last bit, whichever they are. */
+static void test_noise_counts_each_transient(void)
+{
+    learning.leg_noise = 1;
+    learning.leg_noise_relative = 0;
+    learning.leg_noise_transient = JP_Q16(16);
+    for (unsigned i = 0; i < JP_LEG_TRANSIENTS; i++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            struct jp_leg_energy leg = {.energy = JP_Q16(100)};
+            struct jp_forecast_sum sum = {0, {0}, 0};
+
+            leg.transient[i] = sign * JP_Q16(0.5);
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_forecast_add_leg(&learner, &sum, &leg));
+            TEST_ASSERT_INT32_WITHIN(8, JP_Q16(64), (int32_t)sum.variance);
+        }
+    }
+}
+
+/* A leg's energy changes with x by each transient as the file says. */
+static void test_each_transient_has_its_directions(void)
+{
+    for (unsigned i = 0; i < JP_LEG_TRANSIENTS; i++) {
+        for (int j = 0; j < N; j++) {
+            struct jp_leg_energy leg = {.energy = JP_Q16(100)};
+            jp_q24 x[N] = {0};
+
+            leg.transient[i] = JP_Q16(3);
+            x[j] = JP_Q24(0.5);
+            TEST_ASSERT_INT32_WITHIN(2, JP_Q16(100) + learning.leg[i][j] * 3 / 2, energy_as(x, &leg));
+        }
+    }
+}
+
 static void test_a_leg_that_stands_teaches_nothing(void)
 {
     const struct jp_leg_energy leg = {.energy = JP_Q16(40), .duration = JP_Q16(10)};

@@ -152,6 +152,35 @@ static void test_a_leg_along_an_edge_teaches_nothing(void)
     TEST_ASSERT_EQUAL_INT(JP_LEARNED, learn());
 }
 
+/* One joule of sixteen may be taken at edges. */
+static void test_a_sixteenth_at_edges_still_teaches(void)
+{
+    drive_on(1, JP_Q16(10));
+    known.on[1].energy -= known.on[1].energy % 16;
+    known.at_edges = known.on[1].energy / 16;
+    TEST_ASSERT_EQUAL_INT(JP_LEARNED, learn());
+    drive_on(1, JP_Q16(10));
+    known.on[1].energy -= known.on[1].energy % 16;
+    known.at_edges = known.on[1].energy / 16 + 1;
+    TEST_ASSERT_EQUAL_INT(JP_LEARNED_NOTHING, learn());
+}
+
+/* ---- Sums ---- */
+
+static void test_a_part_of_a_drive_is_so_much_of_all_of_it(void)
+{
+    const struct jp_skid_drive drive = {.energy = 1200, .change = {-400, 800, 40, -4}, .slope_work = 2000};
+    struct jp_skid_drive sum = {.energy = 1, .change = {1, 2, 3, 4}, .slope_work = 5};
+
+    jp_skid_drive_add(&sum, &drive, 4);
+    TEST_ASSERT_EQUAL_INT32(301, (int32_t)sum.energy);
+    TEST_ASSERT_EQUAL_INT32(-99, (int32_t)sum.change[0]);
+    TEST_ASSERT_EQUAL_INT32(202, (int32_t)sum.change[1]);
+    TEST_ASSERT_EQUAL_INT32(13, (int32_t)sum.change[2]);
+    TEST_ASSERT_EQUAL_INT32(3, (int32_t)sum.change[3]);
+    TEST_ASSERT_EQUAL_INT32(505, (int32_t)sum.slope_work);
+}
+
 /* ---- Forecast ---- */
 
 static void test_forecasts_are_wider_where_the_ground_is_not_known(void)

@@ -149,3 +149,114 @@ static void test_ground_without_classes(void)
     make(PLACES, 1);
     expect_piece(0, JP_Q24(4), 0, 0, false);
 }
+
+static struct jp_path_piece turns[2];
+
+/* A turn on the spot to a heading: one piece, to the nearer side; none where it looks there already. */
+static void test_a_turn_on_the_spot(void)
+{
+    route = (struct jp_line_route){.start = {JP_Q16(2), JP_Q16(3)}, .heading = JP_ANGLE_DEGREES(20)};
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const jp_angle heading = route.heading + (jp_angle)(sign * (int32_t)JP_ANGLE_DEGREES(90));
+
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_turn_path(&path, turns, 2, &route, heading));
+        TEST_ASSERT_EQUAL_UINT16(1, path.count);
+        TEST_ASSERT_EQUAL_INT(sign < 0 ? JP_PIECE_TURN_RIGHT : JP_PIECE_TURN_LEFT, turns[0].kind);
+        TEST_ASSERT_INT32_WITHIN(4, JP_Q24(1.5707963), turns[0].length);
+        TEST_ASSERT_EQUAL_INT32(route.start.x, turns[0].begin.x);
+        TEST_ASSERT_EQUAL_INT32(route.start.y, turns[0].begin.y);
+        TEST_ASSERT_EQUAL_HEX32(route.heading, turns[0].heading);
+        TEST_ASSERT_EQUAL_HEX32(heading, path.end.heading);
+        TEST_ASSERT_EQUAL_INT32(route.start.x, path.end.position.x);
+        TEST_ASSERT_EQUAL_INT32(route.start.y, path.end.position.y);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, jp_turn_path(&path, turns, 2, &route, route.heading));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_turn_path(&path, turns, 2, NULL, 0));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_turn_path(&path, NULL, 2, &route, 0));
+}
+
+static jp_q16 rising(const void *context, const struct jp_point *point)
+{
+    (void)context;
+    return point->x / 10 + point->y / 5;
+}
+
+/* Each piece rises as its ground does between its ends, and all of them as the whole line. */
+static void test_pieces_rise_with_their_ground(void)
+{
+    static const struct jp_point corners[2] = {{JP_Q16(4), 0}, {JP_Q16(4), JP_Q16(2)}};
+
+    ground.elevation = rising;
+    ground.class_at = NULL;
+    route.targets = corners;
+    route.count = 2;
+    route.start = (struct jp_point){JP_Q16(1), 0};
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, pieces, PLACES, &route));
+    jp_q16 sums[2] = {0, 0};
+
+    for (unsigned i = 0; i < path.count; i++) {
+        if (pieces[i].kind == JP_PIECE_CURVE) {
+            sums[pieces[i].heading == 0U ? 0 : 1] += pieces[i].rise;
+        }
+    }
+    TEST_ASSERT_INT32_WITHIN(4, JP_Q16(0.3), sums[0]);
+    TEST_ASSERT_INT32_WITHIN(4, JP_Q16(0.4), sums[1]);
+}
+
+/* Two pieces are kept for each line that follows, whatever the ground of the first. */
+static void test_lines_share_the_places(void)
+{
+    static const struct jp_point corners[3] = {{JP_Q16(4), 0}, {JP_Q16(4), JP_Q16(2)}, {0, JP_Q16(2)}};
+
+    for (uint16_t places = 5; places <= (uint16_t)PLACES; places++) {
+        patch = (struct patch){JP_Q16(1), -JP_Q16(1), JP_Q16(1.5), JP_Q16(1)};
+        route.targets = corners;
+        route.count = 3;
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, pieces, places, &route));
+        TEST_ASSERT_LESS_OR_EQUAL_UINT16(places, path.count);
+        TEST_ASSERT_EQUAL_INT32(0, path.end.position.x);
+        TEST_ASSERT_EQUAL_INT32(JP_Q16(2), path.end.position.y);
+    }
+}
+
+/* Stripes of half a metre, across both axes. */
+static uint8_t striped(const void *context, const struct jp_point *point)
+{
+    (void)context;
+    return (uint8_t)(((point->x >> 15) + (point->y >> 15)) & 1);
+}
+
+/* More changes than places on each line: none takes those of the lines after it. */
+static void test_no_line_takes_the_places_of_others(void)
+{
+    static const struct jp_point corners[3] = {{JP_Q16(4), 0}, {JP_Q16(4), JP_Q16(4)}, {0, JP_Q16(4)}};
+
+    ground.class_at = striped;
+    route.half_track = JP_Q16(0.125);
+    route.targets = corners;
+    for (uint16_t count = 1; count <= 3U; count++) {
+        route.count = count;
+        for (uint16_t places = (uint16_t)(2U * count); places <= (uint16_t)PLACES; places++) {
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, pieces, places, &route));
+            TEST_ASSERT_LESS_OR_EQUAL_UINT16(places, path.count);
+            TEST_ASSERT_EQUAL_INT32(corners[count - 1U].x, path.end.position.x);
+            TEST_ASSERT_EQUAL_INT32(corners[count - 1U].y, path.end.position.y);
+        }
+    }
+    route.count = 3;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_MEMORY, jp_line_path(&path, pieces, 2, &route));
+}
+
+static void test_the_longest_line(void)
+{
+    ground.class_at = NULL;
+    ground.spacing = JP_Q16(64);
+    target.x = (jp_q16)(JP_PIECE_LENGTH_MAX >> 8);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, pieces, PLACES, &route));
+    target.x += 2;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, jp_line_path(&path, pieces, PLACES, &route));
+    target.x = JP_Q16(0.001) - 1;
+    TEST_ASSERT_EQUAL_INT(JP_ERR_ZERO_LENGTH, jp_line_path(&path, pieces, PLACES, &route));
+    target.x = JP_Q16(0.001);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_line_path(&path, pieces, PLACES, &route));
+}

@@ -675,3 +675,28 @@ static void test_pace_of_the_heading(void)
     at.motion.speed = 0;
     expect_motion(0, 0.1 - 0.2, track(0, 0, 0.1));
 }
+
+/* Begun anew in the midst of it, it is the same drive from the begin on. */
+static void test_a_path_begins_anew(void)
+{
+    static struct jp_path_set_point first[20];
+
+    add_line(0.05);
+    add_line(0.05);
+    begin();
+    for (int i = 0; i < 20; i++) {
+        TEST_ASSERT_TRUE(jp_path_drive_advance(&drive, &first[i]));
+    }
+    for (int i = 0; i < 100; i++) {
+        (void)jp_path_drive_advance(&drive, &at);
+    }
+    TEST_ASSERT_GREATER_THAN_UINT16(0, jp_path_drive_piece(&drive));
+    jp_path_drive_begin(&drive, &path);
+    TEST_ASSERT_EQUAL_UINT16(0, jp_path_drive_piece(&drive));
+    for (int i = 0; i < 20; i++) {
+        TEST_ASSERT_TRUE(jp_path_drive_advance(&drive, &at));
+        TEST_ASSERT_EQUAL_INT32(first[i].motion.speed, at.motion.speed);
+        TEST_ASSERT_EQUAL_INT32(first[i].pose.position.x, at.pose.position.x);
+        TEST_ASSERT_EQUAL_INT32(first[i].acceleration, at.acceleration);
+    }
+}

@@ -423,3 +423,56 @@ static void test_the_turning_point_lies_behind_the_turn(void)
     TEST_ASSERT_INT32_WITHIN(1, start.x, straight.x);
     TEST_ASSERT_INT32_WITHIN(1, start.y, straight.y);
 }
+
+/* A straight way ends where it is measured to, rounded to the nearest 2^-16 m. */
+static void test_an_end_is_rounded_to_the_nearest(void)
+{
+    for (int32_t i = 0; i < 40; i++) {
+        const struct jp_segment straight = {.length = JP_Q16(1) + 7 * i};
+        struct jp_point end;
+        jp_angle heading;
+
+        for (int quarter = 0; quarter < 4; quarter++) {
+            const int32_t x = quarter == 0 ? straight.length : (quarter == 2 ? -straight.length : 0);
+            const int32_t y = quarter == 1 ? straight.length : (quarter == 3 ? -straight.length : 0);
+
+            TEST_ASSERT_EQUAL_INT32(
+                JP_OK, jp_segment_end(&straight, &origin, (jp_angle)quarter * JP_ANGLE_DEGREES(90), &end, &heading));
+            TEST_ASSERT_EQUAL_INT32(x, end.x);
+            TEST_ASSERT_EQUAL_INT32(y, end.y);
+        }
+    }
+}
+
+/* A limit of the turn rate that acts: the arc may not take longer than segments may last. */
+static void test_no_arc_lasts_longer_than_it_may(void)
+{
+    struct jp_segment segment;
+
+    limits = (struct jp_segment_limits){JP_Q24(1), JP_Q24(0.01), JP_Q24(0.3), JP_Q16(100)};
+    for (int32_t i = 0; i < 24; i++) {
+        const enum jp_status status = optimise(JP_Q16(3), JP_Q16(0.25) * (i - 12), &segment);
+
+        if (status == JP_OK) {
+            expect_limits_met(&segment);
+        } else {
+            TEST_ASSERT_EQUAL_INT32(JP_ERR_INFEASIBLE, status);
+            TEST_ASSERT_GREATER_THAN_INT32(6, i < 12 ? 12 - i : i - 12);
+        }
+    }
+}
+
+/* Round the left or round the right: a target just to either side of right behind takes the same, however it turned
+ * before. */
+static void test_both_ways_round_are_looked_at(void)
+{
+    for (int i = -3; i <= 3; i++) {
+        const struct jp_motion before = {JP_Q24(0.3), i * JP_Q24(0.08)};
+        struct jp_segment left;
+        struct jp_segment right;
+
+        TEST_ASSERT_EQUAL_INT32(JP_OK, optimise_from(before, JP_Q16(-3), JP_Q16(0.002), &left));
+        TEST_ASSERT_EQUAL_INT32(JP_OK, optimise_from(before, JP_Q16(-3), -JP_Q16(0.002), &right));
+        TEST_ASSERT_INT32_WITHIN(left.energy / 500, left.energy, right.energy);
+    }
+}

@@ -64,3 +64,49 @@ static void test_chord_of_half_a_circle(void)
         TEST_ASSERT_INT32_WITHIN(1 << 18, Q30_HALF, jp_arc_of_half_chord(INVERSE_PI_Q30 + wider));
     }
 }
+
+/* sin(πx)/(πx) and its derivative, by their series. */
+static double sinc_series(double x, double *derivative)
+{
+    const double square = 9.8696044010893586 * x * x;
+    double term = 1.0;
+    double sum = 1.0;
+
+    *derivative = 0.0;
+    for (int n = 1; n < 24; n++) {
+        term *= -square / (2 * n * (2 * n + 1));
+        sum += term;
+        *derivative += x == 0.0 ? 0.0 : 2 * n * term / x;
+    }
+    return sum;
+}
+
+static void test_an_arc_is_as_its_series_say(void)
+{
+    for (int i = -45; i <= 45; i++) {
+        const int32_t x = i * (JP_HALF_ARC_MAX / 45);
+        struct jp_arc arc;
+        double derivative;
+        const double sinc = sinc_series(x * 0x1p-31, &derivative);
+
+        jp_arc_at(x, &arc);
+        TEST_ASSERT_INT32_WITHIN(8, (int32_t)(sinc * 0x1p29), arc.sinc);
+        TEST_ASSERT_INT32_WITHIN(8 + (int32_t)(1 / sinc / sinc), (int32_t)(0x1p27 / sinc), arc.shape);
+        TEST_ASSERT_INT32_WITHIN(16 + (int32_t)(32 / sinc / sinc), (int32_t)(-derivative / sinc * 0x1p27), arc.stretch);
+    }
+}
+
+/* Half the chord of an arc of radius 1/π, x sinc, and back. */
+static void test_arcs_of_chords_and_of_shares(void)
+{
+    for (int i = 1; i < 45; i++) {
+        const int32_t x = i * (JP_HALF_ARC_MAX / 45);
+        double derivative;
+        const double sinc = sinc_series(x * 0x1p-31, &derivative);
+
+        TEST_ASSERT_INT32_WITHIN(1 << 8, x, jp_arc_of_sinc((int32_t)(sinc * 0x1p29)));
+        if (i < 24) {
+            TEST_ASSERT_INT32_WITHIN(1 << 8, x, jp_arc_of_half_chord((int32_t)(x * 0x1p-31 * sinc * 0x1p30)));
+        }
+    }
+}

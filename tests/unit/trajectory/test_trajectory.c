@@ -398,3 +398,16 @@ static void test_duration_refuses_null_pointers(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_duration(&at, NULL, &seconds));
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_trajectory_duration(&at, &none, NULL));
 }
+
+/* A part in ten thousand of a bit beyond is the next one. */
+static void test_a_duration_is_never_too_short(void)
+{
+    static const struct jp_trajectory_leg leg = {
+        .begin = {.set_points = 100}, .middle = {.set_points = 320}, .end = {.set_points = 50}};
+    const struct jp_trajectory timed = {.legs = &leg, .places = 1, .count = 1};
+    const struct jp_trajectory_config at = {.tick_rate = 9999};
+    jp_q16 seconds = 0;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_duration(&at, &timed, &seconds));
+    TEST_ASSERT_EQUAL_INT32(6162, seconds); /* 940/9999 s are 6161.0001 bits */
+}

@@ -100,6 +100,21 @@ static void test_derivatives_are_those_of_the_cost(void)
     expect_derivatives();
 }
 
+/* Of changes of speed that count, too: every part of a curvature is there. */
+static void test_derivatives_beside_great_changes_of_speed(void)
+{
+    rates.momentum = 0.0f;
+    leg.speed = 0.6f;
+    leg.begin.speed = 0.2f;
+    leg.end.speed = 0.25f;
+    expect_derivatives();
+    leg.begin.speed = 0.9f;
+    leg.end.speed = 0.8f;
+    leg.begin.heading = 0.7f;
+    leg.begin.turn_rate = -0.9f;
+    expect_derivatives();
+}
+
 static void test_a_straight_end_follows_the_middle(void)
 {
     struct jp_leg_cost cost;
@@ -196,4 +211,121 @@ static void test_a_start_and_a_stop_are_those_of_the_energy(void)
     };
     TEST_ASSERT_TRUE(jp_leg_cost(&rates, &leg, &middle, &cost));
     TEST_ASSERT_NEAR(0.01f, energy, cost.cost + start); /* but for whole set-points */
+}
+
+static struct jp_cost_end end_at(jp_q24 speed, uint32_t set_points)
+{
+    return (struct jp_cost_end){.speed = (float)speed * 0x1p-24f, .duration = (float)set_points * 0.002f};
+}
+
+/* Straight on, past a slow waypoint: what the changes of speed take, of voltages and of currents, with a lag as the
+ * robot's and a longer one. */
+static void test_changes_of_speed_are_those_of_the_energy(void)
+{
+    static const struct jp_point ahead[2] = {{JP_Q16(3), 0}, {JP_Q16(6), 0}};
+    static const struct jp_passage slow[2] = {{.given = JP_GIVEN_SPEED, .speed = JP_Q24(0.3)}, {.given = 0}};
+    const struct jp_energy_model *model = &jp_energy_model_courier24;
+
+    for (int i = 0; i < 6; i++) {
+        struct jp_trajectory_config config = jp_robot_courier24.trajectory;
+        const struct jp_back_emf back_emf = {i < 3 ? 0 : config.volts[0] / 2, 0};
+        const jp_q24 cruise = jp_cruise_speed(model);
+        const struct jp_trajectory_task task = {
+            .config = &config,
+            .cruise = cruise,
+            .motion = {.speed = cruise, .pitch = jp_q24_multiply(config.lean[0], cruise)},
+            .targets = ahead,
+            .passages = slow,
+            .count = 2};
+        jp_q24 modes[JP_TRAVEL_MODES];
+        float costs = 0.0f;
+        float energies = 0.0f;
+
+        config.lag = i % 3 == 2 ? JP_Q24(0.04) : config.lag * (1 + i % 3);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_by_rule(&task, legs, &trajectory));
+        jp_trajectory_modes(&trajectory, modes);
+        jp_cost_rates_make(&rates, &config, model, &back_emf, cruise);
+        for (unsigned k = 0; k < 2U; k++) {
+            struct jp_leg_energy energy;
+            struct jp_leg_cost cost;
+
+            leg =
+                (struct jp_cost_leg){.length = 3.0f,
+                                     .speed = (float)legs[k].speed * 0x1p-24f,
+                                     .begin = end_at(k == 0U ? legs[0].speed : slow[0].speed, legs[k].begin.set_points),
+                                     .end = end_at(legs[k].next.speed, legs[k].end.set_points)};
+            middle = 0.0f;
+            TEST_ASSERT_TRUE(jp_leg_cost(&rates, &leg, &middle, &cost));
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, model, &back_emf, &legs[k], modes, &energy));
+            costs += cost.cost;
+            energies += (float)energy.energy * 0x1p-16f;
+        }
+        TEST_ASSERT_NEAR(0.02f, energies, costs); /* but for whole set-points */
+    }
+}
+
+/* e^(-x), x >= 0. */
+static double falling(double x)
+{
+    double sum = 1.0;
+    double term = 1.0;
+
+    for (int n = 1; n < 40; n++) {
+        term *= x / n;
+        sum += term;
+    }
+    return 1.0 / sum;
+}
+
+/* ∫ of what voltages by currents are more than in the steady motion, in small steps. */
+static float start_cost_in_steps(const struct jp_trajectory_config *config, const jp_q24 modes[JP_TRAVEL_MODES],
+                                 jp_q24 speed)
+{
+    const double step = 0.005;
+    const double steady = config->volts[0] * 0x1p-16 * (speed * 0x1p-24);
+    const double kept = (double)rates.back_emf;
+    double left[JP_TRAVEL_MODES];
+    double keep[JP_TRAVEL_MODES];
+    double sum = 0.0;
+
+    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+        const double factor = falling(jp_mode_rate(config, i) * 0x1p-16 * step / 2);
+
+        keep[i] = factor * factor;
+        left[i] = modes[i] * 0x1p-24 * factor; /* in the middle of the step */
+    }
+    for (int k = 0; k < 4000; k++) {
+        double volts = steady;
+        double motion = speed * 0x1p-24;
+
+        for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+            volts += config->modes.volts[i] * 0x1p-16 * left[i];
+            motion += left[i];
+            left[i] *= keep[i];
+        }
+        sum += volts * (volts - kept * motion) - steady * (steady - kept * speed * 0x1p-24);
+    }
+    return (float)(sum * step * (double)rates.power);
+}
+
+static void test_a_start_takes_what_its_modes_do(void)
+{
+    const struct jp_trajectory_config *config = &jp_robot_courier24.trajectory;
+
+    for (int e = 0; e < 2; e++) {
+        const struct jp_back_emf back_emf = {e == 0 ? 0 : config->volts[0] / 2, 0};
+
+        jp_cost_rates_make(&rates, config, &jp_energy_model_courier24, &back_emf, JP_Q24(0.5));
+        for (unsigned i = 0; i <= JP_TRAVEL_MODES; i++) {
+            jp_q24 modes[JP_TRAVEL_MODES];
+
+            for (unsigned j = 0; j < JP_TRAVEL_MODES; j++) {
+                modes[j] = i == j || i == JP_TRAVEL_MODES ? JP_Q24(0.3) - (jp_q24)j * JP_Q24(0.2) : 0;
+            }
+            const float cost = jp_start_cost(&rates, config, modes, JP_Q24(0.5));
+            const float expected = start_cost_in_steps(config, modes, JP_Q24(0.5));
+
+            TEST_ASSERT_NEAR(0.02f, expected, cost);
+        }
+    }
 }

@@ -427,3 +427,18 @@ static void test_cruise_speed_is_clamped(void)
     model.electronics_power = 0;
     TEST_ASSERT_EQUAL_INT32(JP_Q24(0.01), jp_cruise_speed(&model));
 }
+
+/* √(Ps/b1) from 0.01 m/s to 8 m/s. */
+static void test_cruise_speeds_end_at_eight_metres_a_second(void)
+{
+    struct jp_energy_model fast = jp_energy_model_courier24;
+
+    fast.b[0] = JP_Q16(1);
+    for (int32_t speed = 1; speed <= 10; speed++) {
+        fast.electronics_power = JP_Q16(1) * speed * speed;
+        TEST_ASSERT_INT32_WITHIN(64, JP_Q24(1) * (speed < 8 ? speed : 8), jp_cruise_speed(&fast));
+    }
+    fast.electronics_power = JP_Q16(0.0001);
+    fast.b[0] = JP_Q16(4);
+    TEST_ASSERT_INT32_WITHIN(64, JP_Q24(0.01), jp_cruise_speed(&fast));
+}

@@ -140,6 +140,43 @@ static void test_less_energy_than_with_the_rules_own_passages(void)
     TEST_ASSERT_INT32_WITHIN(JP_Q16(0.03), (int32_t)((optimiser.rule - optimiser.found) * 65536.0f), saved);
 }
 
+/* At the cruise of least energy a second costs what it takes: no other heading or speed of a passage takes less. */
+static void expect_least(struct jp_passage *passage, jp_q16 least)
+{
+    const struct jp_passage found = *passage;
+
+    for (int sign = -1; sign <= 1; sign += 2) {
+        passage->heading = found.heading + (jp_angle)(sign * (int32_t)JP_ANGLE_DEGREES(4));
+        TEST_ASSERT_GREATER_THAN_INT32(least - JP_Q16(0.01), energy_with(passages));
+        *passage = found;
+        passage->speed += sign * (found.speed / 12);
+        TEST_ASSERT_GREATER_THAN_INT32(least - JP_Q16(0.01), energy_with(passages));
+        *passage = found;
+    }
+}
+
+static void test_passages_nearby_take_no_less(void)
+{
+    TEST_ASSERT_EQUAL_INT(JP_OK, search());
+    const jp_q16 least = energy_with(passages);
+
+    for (unsigned i = 0; i + 1 < LEGS; i++) {
+        expect_least(&passages[i], least);
+    }
+}
+
+/* Evaluations of the whole route, where nothing limits the robot, and one plan. */
+static void test_few_evaluations_do(void)
+{
+    unsigned slices = 0;
+
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_optimiser_start(&optimiser, &config));
+    while (jp_trajectory_optimiser_work(&optimiser) == JP_WORKING) {
+        slices++;
+    }
+    TEST_ASSERT_LESS_THAN_UINT32((5U + 1U) * LEGS, slices);
+}
+
 /* Where a second costs more, waypoints are passed faster, by the cruise. */
 static void test_a_price_of_time(void)
 {
