@@ -1,6 +1,5 @@
 // eva: -eva-slevel-function jp_energy_regressors:20,arguments_are_valid:60,jp_horizon_check:60,first_bad_field:40
 // eva: -eva-slevel-function main:30,jp_learner_expect:20,expect:20,jp_learner_update:20,jp_learner_restore:20
-// eva: -eva-slevel-function jp_forecast_add:20,jp_energy_forecast:20
 // eva: -eva-slevel-function jp_learned_state_update:20,jp_learned_state_check:20,jp_learned_state_restore:20
 /** Any tables that pass, any state that is stored, any segments and energies, for ever. */
 #include <joulepath/learner.h>
@@ -22,21 +21,6 @@ static void learn(void)
     ANY(segment);
     start.is_forward = any_bool();
     (void)jp_learner_update(&learner, &start, &segment, any_int(), &learned);
-}
-
-static void foretell(void)
-{
-    struct jp_forecast_sum sum = {0};
-    struct jp_energy_start start;
-    struct jp_segment_command segment;
-    struct jp_forecast forecast;
-
-    ANY(start);
-    ANY(segment);
-    start.is_forward = any_bool();
-    if (jp_forecast_add(&learner, &sum, &start, &segment) == JP_OK) {
-        (void)jp_forecast_total(&learner, &sum, &forecast);
-    }
 }
 
 static void look(void)
@@ -68,7 +52,6 @@ int main(void)
     ANY_TIMES
     {
         learn();
-        foretell();
         look();
     }
     ARRIVED();

@@ -1,5 +1,9 @@
 // eva: -eva-precision 0 -eva-auto-loop-unroll 64
 // eva: -eva-slevel-function main:1000,any_balancer:1000,passes:1000,jp_robot_init:1000,check:200,jp_pilot_init:1000
+// eva: -eva-slevel-function jp_config_check:200,is_within:50,require_within:50,jp_estimator_check:50,jp_lqr_check:50
+// eva: -eva-slevel-function jp_reference_check:50,jp_monitor_check:50,jp_meter_check:50,jp_trajectory_check:50
+// eva: -eva-slevel-function jp_segment_limits_check:50,jp_energy_model_check:50,jp_learning_check:50
+// eva: -eva-slevel-function jp_robot_telemetry:50,look:50,stands:50,turn:50
 /** A pilot of any robot, model and learning that pass, and what the robot and the slices of work may have left of it:
  * any requests and questions, any voltage that lacks. The slices have no driver. */
 #include <joulepath/balancer_vehicle.h>

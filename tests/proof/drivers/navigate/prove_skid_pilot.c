@@ -3,6 +3,7 @@
 // eva: -eva-slevel-function jp_config_check:200,is_within:50,require_within:50,jp_skid_pilot_init:500
 // eva: -eva-slevel-function jp_skid_odometry_check:50,jp_path_drive_init:50,jp_skid_control_check:50,jp_monitor_check:50
 // eva: -eva-slevel-function jp_skid_monitor_check:50,jp_meter_check:50
+// eva: -eva-slevel-function jp_skid_energy_check:50,jp_skid_learning_check:50,jp_path_limits_check:50,look:50
 /** A pilot of any robot and tables that pass, and what the robot and the slices of work may have left of it: any
  * requests and questions, any voltage that lacks. The slices have no driver. */
 #include <joulepath/skid_vehicle.h>
@@ -20,7 +21,10 @@ static struct jp_point targets[2];
 /** What ticks and slices of work leave. */
 static void pass(void)
 {
-    ANY(robot.internal.telemetry);
+    robot.internal.state = (enum jp_skid_robot_state)any_between(JP_SKID_ROBOT_IDLE, JP_SKID_ROBOT_FAULT);
+    robot.internal.next_full = (uint8_t)any_unsigned(1);
+    ANY(robot.internal.odometry);
+    ANY(robot.internal.meter.battery);
     robot.internal.sequence = any_unsigned(UINT32_MAX);
     pilot.phase = (enum jp_skid_pilot_phase)any_between(JP_SKID_PILOT_RESTING, JP_SKID_PILOT_DRIVING);
     pilot.status = (enum jp_status)any_int();
