@@ -13,8 +13,7 @@ static struct jp_battery_cells cells;
 
 int main(void)
 {
-    const struct jp_ecu_robot robot = {
-        .kind = &any_kind, .tick_rate = any_unsigned(9900U) + 100U, .monitor = NULL};
+    const struct jp_ecu_robot robot = {.kind = &any_kind, .tick_rate = any_unsigned(9900U) + 100U, .monitor = NULL};
     const char *field;
 
     ANY(config);

@@ -4,8 +4,8 @@
 // eva: -eva-slevel-function jp_path_drive_init:50,jp_skid_control_check:50,jp_monitor_check:50,jp_skid_monitor_check:50
 // eva: -eva-slevel-function jp_meter_check:50,jp_ecu_skid_init:500,prepare:500,jp_skid_pilot_init:500,restore:20
 // eva: -eva-slevel-function jp_skid_energy_check:50,jp_skid_learning_check:50,jp_path_limits_check:50
-/** Any tables that pass, any state and any scale of the gyro that are stored: how a skid-steered robot and its pilot are
- *  prepared for the application. */
+/** Any tables that pass, any state and any scale of the gyro that are stored: how a skid-steered robot and its pilot
+ * are prepared for the application. */
 #include "hal/app/ecu_skid.h"
 #include "tests/proof/any_skid.h"
 
@@ -18,16 +18,16 @@ static struct jp_gyro_scale scale;
 
 int main(void)
 {
-    const struct jp_ecu_skid_config config = {
-        .robot = &any_skid_config,
-        .energy = &energy,
-        .learning = &learning,
-        .limits = &limits,
-        .corner = any_int(),
-        .goal_corner = any_int(),
-        .stored = (enum jp_stored)any_between(JP_STORED_TAKEN, JP_STORED_OTHER_TABLES),
-        .state = any_bool() ? &state : NULL,
-        .scale = any_bool() ? &scale : NULL};
+    const struct jp_ecu_skid_config config = {.robot = &any_skid_config,
+                                              .energy = &energy,
+                                              .learning = &learning,
+                                              .limits = &limits,
+                                              .corner = any_int(),
+                                              .goal_corner = any_int(),
+                                              .stored =
+                                                  (enum jp_stored)any_between(JP_STORED_TAKEN, JP_STORED_OTHER_TABLES),
+                                              .state = any_bool() ? &state : NULL,
+                                              .scale = any_bool() ? &scale : NULL};
     struct jp_ecu_robot robot;
     const char *field;
 

@@ -1,6 +1,6 @@
 // eva: -eva-slevel-function main:20
-/** A navigator on a lattice for the application, with anything null that may not be, and as long as it has no map: it is
- *  asked, told and stopped. With a map it has no driver. */
+/** A navigator on a lattice for the application, with anything null that may not be, and as long as it has no map: it
+ * is asked, told and stopped. With a map it has no driver. */
 #include "hal/app/navigation.h"
 #include "tests/proof/any.h"
 

@@ -1,6 +1,7 @@
 // eva: -eva-slevel-function main:200,jp_forecast_add:100,jp_energy_forecast:100,jp_energy_regressors:20
 // eva: -eva-slevel-function arguments_are_valid:60,jp_horizon_check:60,first_bad_field:40,jp_learner_expect:20
-/** Any tables that pass, with a horizon or without, any route of two segments: those out of their ranges are refused. */
+/** Any tables that pass, with a horizon or without, any route of two segments: those out of their ranges are refused.
+ */
 #include <joulepath/learner.h>
 
 #include "tests/proof/any.h"

@@ -1,9 +1,9 @@
 // eva: -eva-precision 0 -eva-auto-loop-unroll 24
 // eva: -eva-slevel-function main:200,any_terrain:30,jp_terrain_init:30,is_side:10,jp_planner_init:100
 // eva: -eva-slevel-function jp_navigator_init:200,prepare:500,jp_home_init:200
-/** Any map, a robot that does and tells anything, a battery that says anything or nothing, a block of any size, anything
- *  learned within its ranges: any goals, questions and stops, whatever the slices of work have found of the way home; the
- *  slices have no driver. */
+/** Any map, a robot that does and tells anything, a battery that says anything or nothing, a block of any size,
+ * anything learned within its ranges: any goals, questions and stops, whatever the slices of work have found of the way
+ * home; the slices have no driver. */
 #include <joulepath/home.h>
 
 #include "tests/proof/any_field.h"

@@ -24,8 +24,7 @@ static void pass(void)
     robot.internal.sequence = any_unsigned(UINT32_MAX);
     pilot.phase = (enum jp_pilot_phase)any_between(JP_PILOT_RESTING, JP_PILOT_DRIVING);
     pilot.status = (enum jp_status)any_int();
-    pilot.internal.question =
-        (enum jp_pilot_question)any_between(JP_PILOT_NOTHING_ASKED, JP_PILOT_ANSWERED);
+    pilot.internal.question = (enum jp_pilot_question)any_between(JP_PILOT_NOTHING_ASKED, JP_PILOT_ANSWERED);
     pilot.internal.forecast_status = (enum jp_status)any_int();
     ANY(pilot.internal.forecast);
     pilot.internal.drive.is_waiting = any_bool();
@@ -78,7 +77,8 @@ int main(void)
 {
     const struct jp_pilot_config config = {.model = &model,
                                            .learning = any_bool() ? &learning : NULL,
-                                           .meter = (enum jp_pilot_meter)any_between(JP_PILOT_MOTORS, JP_PILOT_BATTERY)};
+                                           .meter =
+                                               (enum jp_pilot_meter)any_between(JP_PILOT_MOTORS, JP_PILOT_BATTERY)};
     const char *field;
 
     ANY(model);
