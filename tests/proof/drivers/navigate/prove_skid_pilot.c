@@ -1,10 +1,9 @@
 // eva: -eva-precision 0 -eva-auto-loop-unroll 64
 // eva: -eva-slevel-function main:1000,any_skid:1000,passes:1000,jp_skid_robot_init:500,check:200,check_own:200
 // eva: -eva-slevel-function jp_config_check:200,is_within:50,require_within:50,jp_skid_pilot_init:500,look:50
-// eva: -eva-slevel-function
-// jp_skid_odometry_check:50,jp_path_drive_init:50,jp_skid_control_check:50,jp_monitor_check:50 eva:
-// -eva-slevel-function jp_skid_monitor_check:50,jp_meter_check:50,jp_skid_energy_check:50 eva: -eva-slevel-function
-// jp_skid_learning_check:50,jp_path_limits_check:50
+// eva: -eva-slevel-function jp_skid_odometry_check:50,jp_path_drive_init:50,jp_skid_control_check:50
+// eva: -eva-slevel-function jp_monitor_check:50,jp_skid_monitor_check:50,jp_meter_check:50
+// eva: -eva-slevel-function jp_skid_energy_check:50,jp_skid_learning_check:50,jp_path_limits_check:50
 /** A pilot of any robot and tables that pass, and what the robot and the slices of work may have left of it: any
  * requests and questions, any voltage that lacks. The slices have no driver. */
 #include <joulepath/skid_vehicle.h>

@@ -1,8 +1,8 @@
 // eva: -eva-precision 0 -eva-auto-loop-unroll 64
 // eva: -eva-slevel-function main:100,any_skid:200,passes:200,jp_skid_robot_init:100,check:200,check_own:100
-// eva: -eva-slevel-function
-// jp_config_check:200,is_within:50,require_within:50,jp_skid_odometry_check:50,jp_path_drive_init:50 eva:
-// -eva-slevel-function jp_skid_control_check:50,jp_monitor_check:50,jp_skid_monitor_check:50,jp_meter_check:50
+// eva: -eva-slevel-function jp_config_check:200,is_within:50,require_within:50,jp_skid_odometry_check:50
+// eva: -eva-slevel-function jp_path_drive_init:50,jp_skid_control_check:50,jp_monitor_check:50
+// eva: -eva-slevel-function jp_skid_monitor_check:50,jp_meter_check:50
 /** Any configuration that passes, any frames and statuses, any commands, at any time, for ever; a reset at any time,
  * with any bytes retained, and any scale of the gyro that can be stored. */
 #include "tests/proof/any_skid.h"

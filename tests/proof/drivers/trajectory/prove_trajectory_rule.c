@@ -1,8 +1,8 @@
 // eva: -eva-precision 0 -eva-auto-loop-unroll 32
-// eva: -eva-slevel-function
-// main:1000,plan:200,is_within:50,require_within:50,jp_trajectory_check:200,jp_config_check:200 eva:
-// -eva-slevel-function jp_chord_to:50,demands_of:20,jp_leg_outline:20,chord_after:20,first_chords:20,jp_plan_begin:100
-// eva: -eva-slevel-function jp_trajectory_plan_leg:100,jp_trajectory_plan_start:100,jp_trajectory_plan_redirect:100
+// eva: -eva-slevel-function main:1000,plan:200,is_within:50,require_within:50,jp_trajectory_check:200
+// eva: -eva-slevel-function jp_config_check:200,jp_chord_to:50,demands_of:20,jp_leg_outline:20,chord_after:20
+// eva: -eva-slevel-function first_chords:20,jp_plan_begin:100,jp_trajectory_plan_leg:100
+// eva: -eva-slevel-function jp_trajectory_plan_start:100,jp_trajectory_plan_redirect:100
 // eva: -eva-slevel-function jp_trajectory_by_rule:200
 /** Any configuration that passes, any tasks, planned leg by leg, sent on to others at any time, or planned whole. */
 #include "tests/proof/any_task.h"
