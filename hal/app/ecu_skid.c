@@ -1,6 +1,7 @@
 #include "hal/app/ecu_skid.h"
 
 #include <stddef.h>
+#include <string.h>
 
 #include "hal/app/ecu_factors.h"
 
@@ -443,8 +444,10 @@ enum jp_status jp_ecu_skid_init(struct jp_ecu_skid *skid, const struct jp_ecu_sk
         (config->stored == JP_STORED_TAKEN && (config->state == NULL || config->scale == NULL))) {
         return JP_ERR_ARGUMENT;
     }
-    *skid = (struct jp_ecu_skid){
-        .internal = {.model = config->energy, .corner = config->corner, .goal_corner = config->goal_corner}};
+    (void)memset(skid, 0, sizeof *skid);
+    skid->internal.model = config->energy;
+    skid->internal.corner = config->corner;
+    skid->internal.goal_corner = config->goal_corner;
     status = prepare(skid, config, field);
     if (status == JP_OK) {
         skid->stored = restore(skid, config);

@@ -34,7 +34,7 @@ extern "C" {
 struct jp_course_leg {
     struct jp_point end; /**< m from the south-west corner of the map */
     jp_q16 margin;       /**< that is kept, m: config.margin; on the first line it may be jp_course_room() */
-    jp_q16 aside;        /**< the caller's: how far the robot leaves the line beside that, m */
+    jp_q16 aside;        /**< the caller's: how far the robot leaves the line beside that, m; 0 or more */
     jp_q16 beyond;       /**< the caller's: how far it goes beyond the end, m */
     uint8_t slower;      /**< the caller's, of the run that ends there */
     bool is_stop;        /**< the robot stands at the end, and turns there */

@@ -23,14 +23,27 @@ struct stroke {
     int32_t radius;
 };
 
-static int32_t in_cells(const struct jp_terrain *terrain, jp_q16 length)
+static int64_t in_cells(const struct jp_terrain *terrain, jp_q16 length)
 {
-    return (int32_t)((int64_t)length * CELL / terrain->config.resolution);
+    return (int64_t)length * CELL / terrain->config.resolution;
 }
 
-static struct spot place_of(const struct jp_terrain *terrain, const struct jp_point *point)
+static bool is_along(int64_t place, uint16_t cells)
 {
-    return (struct spot){in_cells(terrain, point->x), in_cells(terrain, point->y)};
+    return place >= 0 && place <= (int64_t)cells * CELL;
+}
+
+/** False: it is off the map. */
+static bool find_place(const struct jp_terrain *terrain, const struct jp_point *point, struct spot *place)
+{
+    const int64_t x = in_cells(terrain, point->x);
+    const int64_t y = in_cells(terrain, point->y);
+
+    if (!is_along(x, terrain->config.width) || !is_along(y, terrain->config.height)) {
+        return false;
+    }
+    *place = (struct spot){(int32_t)x, (int32_t)y};
+    return true;
 }
 
 static int64_t dot(struct spot a, struct spot b)
@@ -43,16 +56,18 @@ static struct spot difference(struct spot a, struct spot b)
     return (struct spot){a.x - b.x, a.y - b.y};
 }
 
-static struct stroke line_of(const struct jp_terrain *terrain, const struct jp_capsule *capsule)
+/** False: an end of it is off the map. */
+static bool find_line(const struct jp_terrain *terrain, const struct jp_capsule *capsule, struct stroke *line)
 {
-    struct stroke line = {.from = place_of(terrain, &capsule->from),
-                          .to = place_of(terrain, &capsule->to),
-                          .radius = in_cells(terrain, capsule->radius)};
-    const struct spot along = difference(line.to, line.from);
+    if (!find_place(terrain, &capsule->from, &line->from) || !find_place(terrain, &capsule->to, &line->to)) {
+        return false;
+    }
+    const struct spot along = difference(line->to, line->from);
 
-    line.square = dot(along, along);
-    line.length = (int32_t)jp_square_root((uint64_t)line.square << 20);
-    return line;
+    line->square = dot(along, along);
+    line->length = (int32_t)jp_square_root((uint64_t)line->square << 20);
+    line->radius = (int32_t)in_cells(terrain, capsule->radius);
+    return true;
 }
 
 /** Distance of a place from the line: to its nearer end, or across. */
@@ -170,7 +185,11 @@ static bool is_row_clear(const struct jp_terrain *terrain, const struct stroke *
 
 bool jp_capsule_is_clear(const struct jp_terrain *terrain, const struct jp_capsule *capsule)
 {
-    const struct stroke line = line_of(terrain, capsule);
+    struct stroke line;
+
+    if (!find_line(terrain, capsule, &line)) {
+        return false;
+    }
     const int32_t last = (greater(line.from.y, line.to.y) + line.radius) >> 10;
 
     for (int32_t row = (lesser(line.from.y, line.to.y) - line.radius) >> 10; row <= last; row++) {

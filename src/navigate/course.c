@@ -232,7 +232,7 @@ static void look(struct jp_course *course)
     const struct jp_point to = centre_of(course, &internal->candidate.pose);
 
     if (jp_distance(&internal->from, &to) > SAME_MAX &&
-        is_clear(course, &internal->from, &to, course->config.radius + internal->margin)) {
+        is_clear(course, &internal->from, &to, jp_add(course->config.radius, internal->margin))) {
         take(course, &to);
     } else {
         internal->misses++;
@@ -354,10 +354,11 @@ jp_q16 jp_course_room(const struct jp_course *course, const struct jp_point *fro
     const jp_q16 radius = course->config.radius;
     const jp_q16 cell = course->config.terrain->config.resolution;
     const jp_q16 least = radius - cell / 4 < cell ? cell / 4 - radius : -cell;
+    const jp_q16 step = cell < ROOM_STEPS ? 1 : cell / ROOM_STEPS;
     jp_q16 room = 0;
 
-    while (room > least && !is_clear(course, from, from, radius + room)) {
-        room -= cell / ROOM_STEPS;
+    while (room > least && !is_clear(course, from, from, jp_add(radius, room))) {
+        room = jp_sub(room, step);
     }
     return room > least ? room : least;
 }
@@ -367,5 +368,5 @@ bool jp_course_is_clear(const struct jp_course *course, unsigned index, const st
     const struct jp_course_leg *leg = &course->config.legs[index];
     const struct jp_point end = beyond(course, index);
 
-    return is_clear(course, from, &end, jp_add(course->config.radius + leg->margin, leg->aside));
+    return is_clear(course, from, &end, jp_add(jp_add(course->config.radius, leg->margin), leg->aside));
 }

@@ -1,6 +1,7 @@
 #include <joulepath/skid_vehicle.h>
 
 #include <stddef.h>
+#include <string.h>
 
 #include "src/base/integer.h"
 #include "src/base/point.h"
@@ -180,7 +181,8 @@ enum jp_status jp_skid_vehicle_init(struct jp_skid_vehicle *skid, struct jp_skid
     if (skid == NULL || pilot == NULL || vehicle == NULL) {
         return JP_ERR_ARGUMENT;
     }
-    *skid = (struct jp_skid_vehicle){.pilot = pilot};
+    (void)memset(skid, 0, sizeof *skid);
+    skid->pilot = pilot;
     *vehicle = (struct jp_vehicle){.context = skid,
                                    .look = look,
                                    .work = work,

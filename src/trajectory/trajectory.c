@@ -60,7 +60,7 @@ static void shape_travel(struct jp_blend *blend, const struct jp_trajectory_conf
 
     blend->wheel_rate[0] = jp_q24_multiply(speed, config->turns_per_metre);
     blend->wheel_rate[1] = jp_q24_multiply(change, config->turns_per_metre);
-    blend->wheel_rate[2] = -jp_q24_multiply(lag, config->turns_per_metre);
+    blend->wheel_rate[2] = jp_sub(0, jp_q24_multiply(lag, config->turns_per_metre));
     blend->pitch[0] = jp_q24_multiply(config->lean[0], speed);
     blend->pitch[1] = jp_q24_multiply(config->lean[0], change);
     blend->pitch[2] = jp_q24_multiply(config->lean[1], first);

@@ -67,7 +67,7 @@ int32_t jp_modes_way(const struct jp_trajectory_config *config, const jp_q24 *mo
     int64_t sum = 0;
 
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
-        const int64_t gone = modes[i] - jp_mode_after(config, i, modes[i], set_points, Q30_ONE);
+        const int64_t gone = (int64_t)modes[i] - jp_mode_after(config, i, modes[i], set_points, Q30_ONE);
 
         sum += gone == 0 ? 0 : jp_divide(gone * ((int64_t)1 << 12), jp_mode_rate(config, i));
     }

@@ -56,7 +56,7 @@ static struct demand demand_of(const struct jp_trajectory_config *config, const 
 /** What turns may take of the voltage, beside the cruise. */
 static jp_q16 voltage_for_turns(const struct jp_trajectory_task *task)
 {
-    return task->config->voltage - jp_multiply_shift(task->config->volts[0], task->cruise, 24);
+    return jp_sub(task->config->voltage, jp_multiply_shift(task->config->volts[0], task->cruise, 24));
 }
 
 /** Whether it is enough for that turn in a blend of h s. */
@@ -75,7 +75,8 @@ static jp_q16 shortest_blend(jp_q16 voltage, const struct demand *demand)
 
     const uint64_t square =
         (uint64_t)jp_multiply(demand->a, demand->a) + 4U * (uint64_t)jp_multiply(voltage, demand->b);
-    const jp_q16 root = jp_q16_divide(demand->a + (int32_t)jp_square_root(square), 2 * voltage) + 1;
+    const int64_t twice = (int64_t)demand->a + (int32_t)jp_square_root(square); /* V h */
+    const jp_q16 root = jp_add(jp_divide(twice * (JP_Q16_ONE / 2), voltage), 1);
 
     const jp_q16 turned = jp_q16_divide(demand->c, demand->turn_rate);
 

@@ -88,8 +88,8 @@ static void try_heading(const struct jp_trajectory_plan_internal *plan, struct l
     const struct jp_way end =
         jp_blend_way(config, &middle, &leg->result.next,
                      jp_turn_by(heading, leg->result.chord, leg->result.next.heading), leg->end, &leg->faded);
-    const int32_t x = leg->way.x - begin.x - end.x;
-    const int32_t y = leg->way.y - begin.y - end.y;
+    const int32_t x = jp_sub(jp_sub(leg->way.x, begin.x), end.x);
+    const int32_t y = jp_sub(jp_sub(leg->way.y, begin.y), end.y);
     const int32_t cosine = jp_cos(heading);
     const int32_t sine = jp_sin(heading);
 
@@ -132,7 +132,7 @@ static void find_heading(const struct jp_trajectory_plan_internal *plan, struct 
         const int32_t before = leg->aside;
 
         try_heading(plan, leg, leg->result.heading + (jp_angle)step);
-        step = share_of(step, leg->aside, before - leg->aside);
+        step = share_of(step, leg->aside, jp_sub(before, leg->aside));
     }
     turn_by(leg, step);
 }
@@ -199,8 +199,8 @@ static enum jp_status find_middle(const struct jp_trajectory_plan_internal *plan
         copy_modes(leg->modes, plan->modes);
         jp_modes_decay(config, leg->modes, leg->result.begin.set_points);
         leg->result.middle.set_points = find_set_points(plan, leg);
-        leg->covered = cruised(plan, leg, leg->result.middle.set_points) +
-                       jp_modes_way(config, leg->modes, leg->result.middle.set_points);
+        leg->covered = jp_add(cruised(plan, leg, leg->result.middle.set_points),
+                              jp_modes_way(config, leg->modes, leg->result.middle.set_points));
         jp_modes_decay(config, leg->modes, leg->result.middle.set_points);
         passes++;
     } while (!is_plain && leg->result.middle.set_points != before && passes < PASSES);
@@ -216,8 +216,8 @@ static void pass(struct jp_trajectory_plan_internal *plan, struct leg_search *le
         jp_modes_roll(plan->task.config, leg->modes, leg->result.end.set_points, leg->ends_even, &leg->faded);
         try_heading(plan, leg, heading);
     }
-    plan->ahead = (struct jp_way){jp_multiply_shift(leg->covered, jp_cos(heading), 31) - leg->left.x,
-                                  jp_multiply_shift(leg->covered, jp_sin(heading), 31) - leg->left.y};
+    plan->ahead = (struct jp_way){jp_sub(jp_multiply_shift(leg->covered, jp_cos(heading), 31), leg->left.x),
+                                  jp_sub(jp_multiply_shift(leg->covered, jp_sin(heading), 31), leg->left.y)};
     jp_leg_shape(plan->task.config, &plan->motion, &leg->result);
     plan->motion = leg->result.next;
     copy_modes(plan->modes, leg->modes);
@@ -266,7 +266,7 @@ static struct leg_search begin_leg(const struct jp_trajectory_plan *plan, const 
                    .begin = {.set_points = outline->begin},
                    .end = {.set_points = outline->end},
                    .next = outline->next},
-        .way = {way.x - internal->ahead.x, way.y - internal->ahead.y},
+        .way = {jp_sub(way.x, internal->ahead.x), jp_sub(way.y, internal->ahead.y)},
         .begin = jp_seconds(internal->task.config, outline->begin, 24),
         .end = jp_seconds(internal->task.config, outline->end, 24),
         .distance = (int32_t)(chord->distance >> 2),
@@ -283,7 +283,7 @@ static void begin_modes(struct jp_trajectory_plan_internal *plan)
     const struct jp_travel_state *motion = &plan->task.motion;
     const jp_q24 cruise = plan->chord.speed;
     const jp_q24 speed = motion->speed - cruise;
-    const jp_q24 pitch = motion->pitch - jp_q24_multiply(config->lean[0], cruise);
+    const jp_q24 pitch = jp_sub(motion->pitch, jp_q24_multiply(config->lean[0], cruise));
 
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
         const jp_q16 *share = &config->modes.share[JP_TRAVEL_MODES * i];

@@ -374,6 +374,21 @@ static void test_beyond_the_map_all_is_blocked(void)
     }
 }
 
+/* So far that its place in 1/1024 of a cell needs more than 32 bits, which would wrap into the middle of the map. */
+static void test_far_beyond_a_map_of_small_cells_all_is_blocked(void)
+{
+    const int32_t cell = 16;
+    const int32_t middle = SIDE / 2 * cell;
+    const int32_t far = middle + ((int32_t)1 << 26);
+
+    start(SIDE, SIDE, cell, false);
+    TEST_ASSERT_TRUE(is_clear(middle, middle, middle, middle, cell));
+    TEST_ASSERT_FALSE(is_clear(far, middle, far, middle, cell));
+    TEST_ASSERT_FALSE(is_clear(middle, far, middle, far, cell));
+    TEST_ASSERT_FALSE(is_clear(far - ((int32_t)1 << 27), middle, middle, middle, cell));
+    TEST_ASSERT_FALSE(is_clear(middle, middle, middle, far - ((int32_t)1 << 27), cell));
+}
+
 static void test_unknown_cells_follow_the_configuration(void)
 {
     for (int free = 0; free < 2; free++) {

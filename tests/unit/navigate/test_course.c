@@ -557,6 +557,35 @@ static void test_room_of_a_small_disc(void)
     TEST_ASSERT_EQUAL_INT32(map.resolution / 4 - config.radius, jp_course_room(&course, &inside));
 }
 
+/* Cells of which an eighth is less than a unit. */
+static void test_room_on_a_map_of_the_smallest_cells(void)
+{
+    map = (struct jp_terrain_config){.width = SIDE, .height = SIDE, .resolution = 4};
+    make_level_map(&map);
+    config.radius = 4;
+    config.margin = 0;
+    init();
+    const struct jp_point from = centre(12, 12);
+
+    TEST_ASSERT_EQUAL_INT32(0, jp_course_room(&course, &from));
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_cell(&terrain, 12, 12, JP_CELL_OCCUPIED));
+    TEST_ASSERT_EQUAL_INT32(map.resolution / 4 - config.radius, jp_course_room(&course, &from));
+}
+
+/* A disc and its margin may be wider than a length can be: nothing is clear for it. */
+static void test_no_room_for_the_widest_disc(void)
+{
+    map = (struct jp_terrain_config){.width = SIDE, .height = SIDE, .resolution = JP_Q16(1200)};
+    make_level_map(&map);
+    config.radius = JP_Q16(32000);
+    config.margin = JP_Q16(19000);
+    legs[0] = (struct jp_course_leg){.margin = config.margin};
+    init();
+    const struct jp_point from = centre(12, 12);
+
+    TEST_ASSERT_FALSE(jp_course_is_clear(&course, 0, &from));
+}
+
 /* Nearer than the radius by more than a cell. */
 static void test_a_begin_without_room(void)
 {

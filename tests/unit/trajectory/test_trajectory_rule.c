@@ -90,6 +90,65 @@ static void test_no_voltage_for_turns_is_infeasible(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, plan());
 }
 
+static void test_hardly_any_voltage_for_turns_is_infeasible(void)
+{
+    config.voltage = jp_multiply_shift(config.volts[0], task.cruise, 24) + 1;
+    targets[0] = (struct jp_point){0, JP_Q16(3)};
+    TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, plan());
+}
+
+/* Tables that pass, and of which no robot has the like: what they make saturates. */
+
+static void test_voltage_that_a_cruise_gives_saturates(void)
+{
+    config.volts[0] = -JP_Q16(4096);
+    task.cruise = JP_Q24(8);
+    targets[0] = (struct jp_point){0, JP_Q16(0.1)};
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+}
+
+static void test_modes_that_lead_beyond_the_map_are_infeasible(void)
+{
+    for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
+        config.modes.decay[i] = 1;
+        config.modes.share[JP_TRAVEL_MODES * i] = JP_Q16(1024);
+    }
+    config.blend = JP_Q16(60);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        task.cruise = JP_Q24(4);
+        task.motion.speed = sign * JP_Q24(8);
+        targets[0] = (struct jp_point){-JP_Q16(360), sign * JP_Q16(360)};
+        TEST_ASSERT_EQUAL_INT(JP_ERR_INFEASIBLE, plan());
+    }
+}
+
+static void test_a_lean_that_saturates(void)
+{
+    config.lean[0] = JP_Q24(16);
+    config.volts[0] = 0;
+    task.cruise = JP_Q24(8);
+    task.motion.pitch = -JP_Q24(0.125);
+    task.to_stand = false;
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+}
+
+static void test_a_change_of_speed_that_saturates(void)
+{
+    config.lag = JP_Q24_ONE;
+    config.lean[0] = 0;
+    config.lean[1] = 0;
+    for (unsigned i = 0; i < sizeof config.volts / sizeof config.volts[0]; i++) {
+        config.volts[i] = 0;
+    }
+    config.tick_rate = 10000;
+    config.blend = JP_Q16(0.05);
+    task.cruise = JP_Q24(8);
+    task.motion.speed = JP_Q24(8);
+    targets[0].x = JP_Q16(2);
+    TEST_ASSERT_EQUAL_INT(JP_OK, plan());
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, legs[0].end.wheel_rate[2]);
+}
+
 static void test_a_leg_too_short_to_brake_is_infeasible(void)
 {
     targets[0].x = JP_Q16(0.4);

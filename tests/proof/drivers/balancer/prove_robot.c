@@ -1,7 +1,7 @@
-// eva: -eva-slevel-function main:100,passes:200,jp_robot_init:100,check:200
+// eva: -eva-slevel-function main:100,any_balancer:200,passes:200,jp_robot_init:100,check:200
 /** Any configuration that passes, any frames and statuses, any segments, at any time, for ever; a reset at any time.
  *  Trajectories have a driver of their own. */
-#include <joulepath/robot.h>
+#include "tests/proof/any_balancer.h"
 
 #define ROBOT jp_robot
 #define ORDER jp_segment_command
@@ -45,27 +45,11 @@ static void reset(struct jp_robot *robot, const struct jp_robot_config *config)
     jp_robot_resume(robot, &snapshot);
 }
 
-/** As jp_robot_init() does, one by one: so the analyser keeps the ranges. */
-static bool passes(const struct jp_robot_config *config)
-{
-    const char *field;
-
-    return jp_estimator_check(&config->estimator, &field) == JP_OK &&
-           jp_reference_check(&config->reference, &field) == JP_OK && jp_lqr_check(&config->lqr, &field) == JP_OK &&
-           jp_monitor_check(&config->monitor, &field) == JP_OK && jp_meter_check(&config->meter, &field) == JP_OK &&
-           jp_segment_limits_check(&config->limits, NULL, &field) == JP_OK &&
-           jp_trajectory_check(&config->trajectory, &field) == JP_OK;
-}
-
 int main(void)
 {
-    static struct jp_robot_config config;
     static struct jp_robot robot;
-    const char *field;
 
-    ANY(config);
-    config.name = "any";
-    if (!passes(&config) || jp_robot_init(&robot, &config, &field) != JP_OK) {
+    if (!any_balancer(&robot)) {
         return 0;
     }
     ANY_TIMES
@@ -77,7 +61,7 @@ int main(void)
         tick(&robot);
         look(&robot);
         if (any_bool()) {
-            reset(&robot, &config);
+            reset(&robot, &any_balancer_config);
         }
     }
     ARRIVED();

@@ -1,10 +1,11 @@
 // eva: -eva-precision 0 -eva-auto-loop-unroll 64
-// eva: -eva-slevel-function main:100,passes:200,jp_skid_robot_init:100,check:200,check_own:100
+// eva: -eva-slevel-function main:100,any_skid:200,passes:200,jp_skid_robot_init:100,check:200,check_own:100
 // eva: -eva-slevel-function jp_config_check:200,is_within:50,require_within:50,jp_skid_odometry_check:50
-// eva: -eva-slevel-function jp_skid_control_check:50,jp_monitor_check:50,jp_skid_monitor_check:50,jp_meter_check:50
+// eva: -eva-slevel-function jp_path_drive_init:50,jp_skid_control_check:50,jp_monitor_check:50
+// eva: -eva-slevel-function jp_skid_monitor_check:50,jp_meter_check:50
 /** Any configuration that passes, any frames and statuses, any commands, at any time, for ever; a reset at any time,
  * with any bytes retained, and any scale of the gyro that can be stored. */
-#include <joulepath/skid_robot.h>
+#include "tests/proof/any_skid.h"
 
 #define ROBOT jp_skid_robot
 #define ORDER jp_skid_command
@@ -50,26 +51,11 @@ static void reset(struct jp_skid_robot *robot, const struct jp_skid_robot_config
     (void)jp_skid_robot_resume(robot, &snapshot);
 }
 
-/** As jp_skid_robot_init() does, one by one: so the analyser keeps the ranges. */
-static bool passes(const struct jp_skid_robot_config *config)
-{
-    const char *field;
-
-    return jp_skid_odometry_check(&config->odometry, &field) == JP_OK &&
-           jp_skid_control_check(&config->control, &field) == JP_OK &&
-           jp_monitor_check(&config->monitor, &field) == JP_OK &&
-           jp_skid_monitor_check(&config->wheels, &field) == JP_OK && jp_meter_check(&config->meter, &field) == JP_OK;
-}
-
 int main(void)
 {
-    static struct jp_skid_robot_config config;
     static struct jp_skid_robot robot;
-    const char *field;
 
-    ANY(config);
-    config.name = "any";
-    if (!passes(&config) || jp_skid_robot_init(&robot, &config, &field) != JP_OK) {
+    if (!any_skid(&robot)) {
         return 0;
     }
     ANY_TIMES
@@ -81,7 +67,7 @@ int main(void)
         tick(&robot);
         look(&robot);
         if (any_bool()) {
-            reset(&robot, &config);
+            reset(&robot, &any_skid_config);
         }
     }
     ARRIVED();
