@@ -113,10 +113,12 @@ static bool feels_impact(const struct jp_monitor_config *config, const struct jp
 /** True from the tick after an impact until there was none for so long. */
 static bool is_shaken(struct jp_monitor *monitor, uint16_t limit, bool impact)
 {
-    const bool is_calm = jp_count_in_a_row(&monitor->calm_ticks, !impact, limit);
     const bool was_shaken = monitor->shaken;
 
-    monitor->shaken = impact || (was_shaken && !is_calm);
+    if (!was_shaken && !impact) {
+        return false;
+    }
+    monitor->shaken = !jp_count_in_a_row(&monitor->calm_ticks, !impact, limit);
     if (!monitor->shaken) {
         monitor->explained_ticks = 0;
     }
@@ -142,10 +144,9 @@ static bool is_explained(struct jp_monitor *monitor, const struct jp_monitor_con
                          const struct jp_sensors *sensors, unsigned suspected)
 {
     const bool impact = feels_impact(config, &monitor->good, sensors, suspected);
-    const bool shaken = is_shaken(monitor, config->residual_ticks, impact);
-    const bool is_asked = (suspected & IMU_FAULTS) != 0U && !gyro_beyond(config, sensors);
 
-    if (!shaken || !is_asked || monitor->explained_ticks >= config->residual_ticks) {
+    if (!is_shaken(monitor, config->residual_ticks, impact) || (suspected & IMU_FAULTS) == 0U ||
+        gyro_beyond(config, sensors) || monitor->explained_ticks >= config->residual_ticks) {
         return false;
     }
     monitor->explained_ticks++;
