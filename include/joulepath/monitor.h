@@ -59,9 +59,10 @@ struct jp_monitor_config {
     jp_turns_per_s wheel_rate_limit; /**< |mean wheel rate| beyond it is a runaway, turn/s; above 0 */
     jp_q16 current_residual;         /**< |i − (u − kb ω)/Rm| beyond it contradicts, A; above 0 */
     uint16_t confirm_ticks;          /**< readings until range, jump and runaway become faults; at least 1 */
-    uint16_t freeze_ticks;   /**< equal readings of an IMU channel until frozen; 0 is off (a simulated ideal IMU) */
-    uint16_t residual_ticks; /**< contradicting ticks until an encoder fault; how many implausible readings of the IMU
-                                impacts explain, and how long there is none when they are over; at least 1 */
+    uint16_t freeze_ticks; /**< equal readings of an IMU channel until frozen; 0 is off (a simulated ideal IMU) */
+    uint16_t
+        residual_ticks; /**< contradicting ticks until an encoder fault; two more than the implausible readings of
+                           the IMU that impacts explain, and how long there is none when they are over; at least 1 */
 };
 
 struct jp_monitor {

@@ -118,10 +118,10 @@ static bool is_shaken(struct jp_monitor *monitor, uint16_t limit, bool impact)
     if (!was_shaken && !impact) {
         return false;
     }
-    monitor->shaken = !jp_count_in_a_row(&monitor->calm_ticks, !impact, limit);
-    if (!monitor->shaken) {
+    if (!was_shaken) {
         monitor->explained_ticks = 0;
     }
+    monitor->shaken = !jp_count_in_a_row(&monitor->calm_ticks, !impact, limit);
     return was_shaken && monitor->shaken;
 }
 
@@ -138,19 +138,18 @@ static bool watch_for_frozen_imu(struct jp_monitor *monitor, uint16_t limit, con
     return pitch_rate || yaw_rate || accel_x || accel_z;
 }
 
-/** Whether an impact explains all that is wrong with the IMU, which it does `residual_ticks` times; what it drives out
- * of its range is the range's end. */
+/** Whether an impact explains all that is wrong with the IMU, which it does two times fewer than `residual_ticks`; what
+ *  it drives out of its range is the range's end. */
 static bool is_explained(struct jp_monitor *monitor, const struct jp_monitor_config *config,
                          const struct jp_sensors *sensors, unsigned suspected)
 {
     const bool impact = feels_impact(config, &monitor->good, sensors, suspected);
 
     if (!is_shaken(monitor, config->residual_ticks, impact) || (suspected & IMU_FAULTS) == 0U ||
-        gyro_beyond(config, sensors) || monitor->explained_ticks >= config->residual_ticks) {
+        gyro_beyond(config, sensors)) {
         return false;
     }
-    monitor->explained_ticks++;
-    return true;
+    return !jp_count_in_a_row(&monitor->explained_ticks, true, (uint16_t)(config->residual_ticks - 1U));
 }
 
 static void limit_forces(struct jp_sensors *sensors, jp_q24 limit)

@@ -169,7 +169,7 @@ static bool is_settled(const struct jp_learned_state *state, const struct jp_lea
 /** What was learned with so little noise is forgotten. */
 static void believe_in_more_noise(struct jp_learned_state *state)
 {
-    const jp_q16 more = jp_q16_multiply(state->noise_scale, NOISE_STEP);
+    const jp_q16 more = jp_q16_multiply(state->noise_scale, JP_Q16(3.39));
 
     state->noise_scale = jp_clamp32(more, NOISE_SCALE_MIN, NOISE_SCALE_MAX);
     jp_filter_start(state->s);

@@ -22,14 +22,27 @@ static void contradict_right(void)
     failing.current_right += 5 * (config.monitor.current_residual / 4);
 }
 
-/* Downhill, faster and faster; the sensors show no more current than they can. */
-static void run_away(void)
+/* The sensors show no more current than they can. */
+static void limit_currents(void)
 {
     const jp_q16 most = config.monitor.current_limit - JP_Q16(0.1);
 
-    rolling = jp_clamp32((int32_t)failing_ticks * JP_Q24(0.01), 0, config.monitor.wheel_rate_limit + JP_Q24(0.05));
     failing.current_left = jp_clamp32(failing.current_left, -most, most);
     failing.current_right = jp_clamp32(failing.current_right, -most, most);
+}
+
+/* Wheels that seem to stand are given more and more. */
+static void jump_and_pull(void)
+{
+    jump_encoder();
+    limit_currents();
+}
+
+/* Downhill, faster and faster. */
+static void run_away(void)
+{
+    rolling = jp_clamp32((int32_t)failing_ticks * JP_Q24(0.01), 0, config.monitor.wheel_rate_limit + JP_Q24(0.05));
+    limit_currents();
 }
 
 /* What the gyro sees of a robot that one side alone turns. */
@@ -132,12 +145,12 @@ static const struct matrix_state states[STATES] = {
 /* A side that stalls takes its greatest current at once here, and is found 250 ticks later. Other times are those of
  * the monitor's counts (every second tick of the wheels' ones) after what is smoothed has come, or the wheels have
  * reached their limit; a side in the air is free once the current of before has faded to a quarter of the load, so a
- * load that was 4 % higher is 2 ticks later. */
+ * load that was 4 % higher is 2 ticks later, and one of a robot that slows down before 32. */
 static const struct matrix_row rows[] = {
     {"IMU_RANGE", leave_range, ON_BOTH, 3, 0, STOPS(JP_FAULT_IMU_RANGE | JP_FAULT_IMU_JUMP)},
     {"IMU_JUMP", jump, ON_BOTH, 3, 0, STOPS(JP_FAULT_IMU_JUMP)},
     {"IMU_FROZEN", freeze, ON_BOTH, 25, 0, STOPS(JP_FAULT_IMU_FROZEN)},
-    {"ENCODER_JUMP", jump_encoder, ON_BOTH, 3, 0, STOPS(JP_FAULT_ENCODER_JUMP)},
+    {"ENCODER_JUMP", jump_and_pull, ON_BOTH, 3, 0, STOPS(JP_FAULT_ENCODER_JUMP)},
     {"ENCODER_LEFT", contradict_left, ON_BOTH, 52, 0, IN_WHEELS(JP_FAULT_ENCODER_LEFT)},
     {"ENCODER_RIGHT", contradict_right, ON_BOTH, 52, 0, IN_WHEELS(JP_FAULT_ENCODER_RIGHT)},
     {"CURRENT_RANGE", leave_current_range, ON_BOTH, 3, 0, STOPS(JP_FAULT_CURRENT_RANGE)},
@@ -148,7 +161,7 @@ static const struct matrix_row rows[] = {
     {"OVERSPEED", run_away, ON_BOTH, 155, 0, IN_WHEELS(JP_FAULT_OVERSPEED)},
     {"STALLED_LEFT", stall_left, ON_BOTH, 255, 0, IN_MOTION(JP_FAULT_STALLED_LEFT)},
     {"STALLED_RIGHT", stall_right, ON_BOTH, 255, 0, IN_MOTION(JP_FAULT_STALLED_RIGHT)},
-    {"WHEEL_IN_AIR", lift_left, ON_BOTH, 305, 0, IN_MOTION(JP_FAULT_WHEEL_IN_AIR)},
+    {"WHEEL_IN_AIR", lift_left, ON_BOTH, 340, 0, IN_MOTION(JP_FAULT_WHEEL_IN_AIR)},
     {"WHEELS_SPIN", spin, ON_BOTH, 153, 0, IN_WHEELS(JP_FAULT_WHEELS_SPIN)},
     {"SLOPE", tilt, ON_BOTH, 230, 0, IN_WHEELS(JP_FAULT_SLOPE)},
     {"samples stay away for 40 ms", fall_silent_for_a_while, ON_CAN, 0, 0, RIDDEN_OUT(DRIVING)},
