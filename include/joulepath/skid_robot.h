@@ -226,8 +226,8 @@ bool jp_skid_robot_resume(struct jp_skid_robot *robot, const struct jp_skid_snap
  *  learned earlier; jp_skid_odometry_scale() tells it. Within the ranges of the struct. Not for ISRs. */
 void jp_skid_robot_know_gyro_scale(struct jp_skid_robot *robot, const struct jp_gyro_scale *scale);
 
-/** Idle to standing, at the next tick. JP_ERR_STATE: not idle, not awake yet, or the ground is too steep.
- *  JP_ERR_ARGUMENT: null. */
+/** Idle to standing, at the next tick. JP_ERR_STATE: not idle, not awake yet, no good frame came since a disable, or
+ *  the ground is too steep. JP_ERR_ARGUMENT: null. */
 enum jp_status jp_skid_robot_enable(struct jp_skid_robot *robot);
 
 /** To idle, at the next tick; clears faults and what waits. Enabling again needs a plausible frame after that. Position

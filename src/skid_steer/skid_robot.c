@@ -555,7 +555,7 @@ enum jp_status jp_skid_robot_enable(struct jp_skid_robot *robot)
 
     const struct jp_skid_robot_internal *internal = &robot->internal;
 
-    if (jp_skid_robot_state_now(robot) != JP_SKID_ROBOT_IDLE || !is_awake(internal) ||
+    if (jp_skid_robot_state_now(robot) != JP_SKID_ROBOT_IDLE || !is_awake(internal) || !internal->monitor.started ||
         jp_skid_monitor_is_steep(&internal->wheels, &internal->config->wheels)) {
         return JP_ERR_STATE;
     }

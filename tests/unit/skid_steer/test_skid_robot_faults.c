@@ -18,6 +18,22 @@ static void expect_shorted(void)
     TEST_ASSERT_EQUAL_UINT8(1, actuation.enabled);
 }
 
+/* What it saw before says nothing of now. */
+static void test_none_is_enabled_before_a_good_frame_after_a_disable(void)
+{
+    make_standing();
+    jp_skid_robot_disable(&robot);
+    sensors.bus_voltage = 0;
+    run(1);
+    expect_state(JP_SKID_ROBOT_IDLE);
+    TEST_ASSERT_EQUAL_INT(JP_ERR_STATE, jp_skid_robot_enable(&robot));
+    sensors.bus_voltage = JP_Q16(46);
+    run(1);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_enable(&robot));
+    run(1);
+    expect_state(JP_SKID_ROBOT_STANDING);
+}
+
 static void test_a_fault_of_the_bus_shorts_the_motors_and_stays(void)
 {
     make_fault();
