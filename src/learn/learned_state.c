@@ -19,7 +19,7 @@
 /** The scale of the noise follows over twice so many segments. */
 #define NOISE_MEMORY_BITS 6U
 /** Of noise that raises the alarm: the root of what three squares in a row have to be in the mean. */
-#define NOISE_STEP      JP_Q16(3.39)
+#define NOISE_STEP_MIN  JP_Q16(3.39)
 #define NOISE_SCALE_MIN JP_Q16(0.25)
 #define NOISE_SCALE_MAX JP_Q16(256)
 
@@ -169,7 +169,7 @@ static bool is_settled(const struct jp_learned_state *state, const struct jp_lea
 /** What was learned with so little noise is forgotten. */
 static void believe_in_more_noise(struct jp_learned_state *state)
 {
-    const jp_q16 more = jp_q16_multiply(state->noise_scale, JP_Q16(3.39));
+    const jp_q16 more = jp_q16_multiply(state->noise_scale, NOISE_STEP_MIN);
 
     state->noise_scale = jp_clamp32(more, NOISE_SCALE_MIN, NOISE_SCALE_MAX);
     jp_filter_start(state->s);
