@@ -4,11 +4,11 @@
  * While a reading is out of range, or jumps farther than physics allows, the last good frame is used; after
  * `confirm_ticks` it is a fault. But an impact, as of a wheel on an edge or of one that lands, is felt by the whole
  * IMU: when the specific force changes by more than 1 g in a tick or leaves its range, jumps of the rates and forces
- * out of range are believed from the next tick on, until there was no impact for `residual_ticks`, and as many of them.
- * An IMU that goes on like that is a fault then. An IMU is frozen when one of its channels repeats the same bits for
- * `freeze_ticks`. A frame that is held because none was measured tells nothing of the sensors: it makes none frozen,
- * and no implausible one plausible. An encoder that stops, slips or runs away is a fault when the residual of the motor
- * current, i − (u − kb ω)/Rm, exceeds its limit for `residual_ticks`.
+ * out of range are believed from the next tick on, until there was no impact for `residual_ticks`, and two fewer of
+ * them. An IMU that goes on like that is a fault then. An IMU is frozen when one of its channels repeats the same bits
+ * for `freeze_ticks`. A frame that is held because none was measured tells nothing of the sensors: it makes none
+ * frozen, and no implausible one plausible. An encoder that stops, slips or runs away is a fault when the residual of
+ * the motor current, i − (u − kb ω)/Rm, exceeds its limit for `residual_ticks`.
  */
 #ifndef JOULEPATH_MONITOR_H
 #define JOULEPATH_MONITOR_H
@@ -60,9 +60,9 @@ struct jp_monitor_config {
     jp_q16 current_residual;         /**< |i − (u − kb ω)/Rm| beyond it contradicts, A; above 0 */
     uint16_t confirm_ticks;          /**< readings until range, jump and runaway become faults; at least 1 */
     uint16_t freeze_ticks; /**< equal readings of an IMU channel until frozen; 0 is off (a simulated ideal IMU) */
-    uint16_t
-        residual_ticks; /**< contradicting ticks until an encoder fault; two more than the implausible readings of
-                           the IMU that impacts explain, and how long there is none when they are over; at least 1 */
+    /** Contradicting ticks until an encoder fault; ticks without an impact until impacts are over; and two more than
+     * the implausible readings of the IMU that impacts explain; at least 1. */
+    uint16_t residual_ticks;
 };
 
 struct jp_monitor {

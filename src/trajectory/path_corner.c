@@ -125,7 +125,7 @@ bool jp_path_round_corner(struct jp_lattice_path *path, uint16_t turn, const str
     const jp_angle angle = jp_angle_from_radians(lines[CORNER].length / 2);
     const struct half_turn half = {jp_sin(angle), jp_cos(angle)};
     const jp_q24 most = tangent_max(&lines[CORNER], &half, room->clearance);
-    const jp_q24 fewest = tangent_min(room->radius_min, &half);
+    const jp_q24 least_tangent = tangent_min(room->radius_min, &half);
     struct jp_path_piece pieces[PIECES];
     jp_q24 best = 0;
 
@@ -135,7 +135,7 @@ bool jp_path_round_corner(struct jp_lattice_path *path, uint16_t turn, const str
     for (int32_t share = JP_CORNER_RADII; share > 0; share--) {
         const jp_q24 tangent = (jp_q24)((int64_t)most * share / JP_CORNER_RADII);
 
-        if (tangent < fewest) {
+        if (tangent < least_tangent) {
             break;
         }
         copy(pieces, lines);
