@@ -22,9 +22,10 @@
  * it, one thing independent of the other, so that the variance grows with the way, and its share of the way falls. Most
  * drives take about as much as the mean and a few far more, round what is in the way: the deviation is that above the
  * mean, and a trip that has not begun is taken to meet the same on its way out and home. The robot goes on as long as
- * that is at least `confidence` where it is, however far the goal may be, so that what it learns on its way counts. A
- * change of the map that blocks the way home makes the field grow anew; until it has, the way home is the last one and
- * what was spent since.
+ * that is at least `confidence` where it is, however far the goal may be, so that what it learns on its way counts. At
+ * home it needs nothing, and after its first metre it must turn round: it leaves only if what is left also suffices
+ * for ten steps towards its goal and home again from there, where it looks away from home. A change of the map that
+ * blocks the way home makes the field grow anew; until it has, the way home is the last one and what was spent since.
  *
  * Integers only: the same bits on every core. Nothing here is for ISRs.
  */
@@ -103,6 +104,9 @@ struct jp_home_drive {
 /** Private. */
 enum jp_home_phase { JP_HOME_GROWS, JP_HOME_JOINS, JP_HOME_SURVEYS };
 
+/** Private: where a way home begins. The robot is ten steps out, or at its goal, before it leaves. */
+enum jp_home_start { JP_HOME_FROM_ROBOT, JP_HOME_FROM_GOAL, JP_HOME_FROM_OUTSIDE };
+
 /** Private: a way home that was surveyed. */
 struct jp_home_way {
     struct jp_forecast energy;
@@ -122,9 +126,11 @@ struct jp_home_internal {
     jp_angle heading;         /**< and the robot's heading there */
     struct jp_home_drive drive;
     struct jp_goal goal;
-    bool is_from_goal;  /**< the course that is surveyed */
-    bool is_goal_known; /**< what the way home from there takes, or that none is known */
-    bool is_stuck;      /**< no course leads along the field from where the robot is */
+    enum jp_home_start start;   /**< of the course that is surveyed */
+    struct jp_forecast outside; /**< what the way home from there takes; nothing where none is known */
+    bool is_goal_known;         /**< what the way home from there takes, or that none is known; */
+    bool is_outside_known;      /**< from there */
+    bool is_stuck;              /**< no course leads along the field from where the robot is */
 };
 
 /** The members but `internal` may be read. */
@@ -134,7 +140,7 @@ struct jp_home {
     /** Why it has failed. JP_ERR_STATE: the motors are off. JP_ERR_NO_PLAN: from where it is no way leads home. JP_OK:
      * see the navigator. Others: why the goal, or home, is refused, as jp_navigator_go(). */
     enum jp_status status;
-    bool has_turned_back;           /**< since it was told where to go */
+    bool has_turned_back;           /**< since it was told where to go, maybe before it left */
     uint32_t ways;                  /**< home that were surveyed, saturating */
     struct jp_home_learned learned; /**< the caller may write what was stored after jp_home_init() */
     struct jp_home_internal internal;

@@ -43,6 +43,7 @@ struct navigation {
     struct jp_course_leg home_legs[NAVIGATION_LEGS];
     void *home_block;
     bool was_out; /* on its way to the goal */
+    bool has_noted_leave;
     struct clearance_pose start;
     struct clearance_pose before;
     double joules_before;
@@ -208,6 +209,14 @@ static struct jp_forecast round_trip(struct navigation *navigation)
     return way;
 }
 
+/** The way home from its goal is known, and what is in the battery not yet asked for. */
+static bool is_about_to_leave(const struct navigation *navigation)
+{
+    struct jp_forecast way;
+
+    return navigation->home.state == JP_HOME_PREPARING && jp_home_expect(&navigation->home, 1, 1, &way) == JP_OK;
+}
+
 /** It knows what it can before it drives. */
 static void note_leave(struct navigation *navigation)
 {
@@ -226,6 +235,7 @@ static void note_leave(struct navigation *navigation)
         battery->joules += spent_of(navigation);
     }
     navigation->result->joules_at_leave = spent_of(navigation);
+    navigation->has_noted_leave = true;
 }
 
 /** The navigator's work and what is beyond it: back from the goal. */
@@ -236,12 +246,15 @@ static enum jp_navigator_state work(struct navigation *navigation)
     if (navigation->task->battery == NULL) {
         return jp_navigator_work(&navigation->navigator);
     }
+    if (!navigation->has_noted_leave && is_about_to_leave(navigation)) {
+        note_leave(navigation);
+    }
     const enum jp_home_state state = jp_home_work(&navigation->home);
 
     if (navigation->was_out && state != JP_HOME_OUT) {
         note_turn(navigation);
     }
-    if (!navigation->was_out && state == JP_HOME_OUT) {
+    if (!navigation->has_noted_leave && state == JP_HOME_OUT) {
         note_leave(navigation);
     }
     navigation->was_out = state == JP_HOME_OUT;

@@ -4,13 +4,16 @@
 #include <stddef.h>
 
 #include "src/base/integer.h"
+#include "src/base/point.h"
 #include "src/learn/normal_quantile.h"
 #include "src/navigate/navigator_frame.h"
 #include "src/navigate/navigator_ledger.h"
 #include "src/navigate/navigator_survey.h"
 
 /** Steps on level ground; a way of more tells what others take. */
-#define PRICE_STEPS 10U
+#define PRICE_STEPS 10
+
+static const struct jp_forecast nothing = {0, 0};
 
 static const struct jp_terrain *terrain_of(const struct jp_home *home)
 {
@@ -89,16 +92,18 @@ static void keep_way(struct jp_home *home, const struct jp_forecast *energy)
     const struct jp_home_way way = {
         .energy = *energy, .cost = internal->cost, .given = given_now(home), .is_known = true};
 
-    if (way.cost > PRICE_STEPS * level_step(home)) {
+    if (internal->start != JP_HOME_FROM_OUTSIDE && way.cost > (jp_cost)PRICE_STEPS * level_step(home)) {
         internal->price = way;
     }
-    if (internal->is_from_goal) {
-        internal->is_goal_known = true;
-    } else {
+    if (internal->start == JP_HOME_FROM_ROBOT) {
         home->ways = jp_one_more32(home->ways);
         internal->way = way;
+    } else if (internal->start == JP_HOME_FROM_GOAL) {
+        internal->is_goal_known = true;
+    } else {
+        internal->is_outside_known = true;
+        internal->outside = *energy;
     }
-    internal->is_from_goal = false;
 }
 
 static void join_anew(struct jp_home *home)
@@ -107,27 +112,66 @@ static void join_anew(struct jp_home *home)
     home->internal.survey.internal.course.answer = JP_COURSE_NO_ROUTE;
 }
 
-/** Where it arrives at the goal, looking away from home. */
-static struct jp_place goal_place(const struct jp_home *home)
+/** Where it arrives at the goal. */
+static struct jp_point goal_point(const struct jp_home *home)
 {
     const struct jp_goal *goal = &home->internal.goal;
     const jp_q16 cell = terrain_of(home)->config.resolution;
 
-    return (struct jp_place){
-        .point = {goal->x * cell + cell / 2, goal->y * cell + cell / 2},
-        .heading = jp_atan2(goal->y - home->config.y, goal->x - home->config.x),
-    };
+    return (struct jp_point){goal->x * cell + cell / 2, goal->y * cell + cell / 2};
 }
 
-/** From where the robot is; before it leaves, from its goal, too. */
+/** Ten steps from where it is towards its goal, or there. */
+static struct jp_point outside_point(const struct jp_home *home)
+{
+    const struct jp_point from = jp_navigator_place(home->config.navigator).point;
+    const struct jp_point goal = goal_point(home);
+    const jp_q16 steps = PRICE_STEPS * terrain_of(home)->config.resolution;
+    const jp_q16 way = jp_distance(&from, &goal);
+
+    if (way <= steps) {
+        return goal;
+    }
+    return (struct jp_point){jp_add(from.x, jp_divide((int64_t)jp_sub(goal.x, from.x) * steps, way)),
+                             jp_add(from.y, jp_divide((int64_t)jp_sub(goal.y, from.y) * steps, way))};
+}
+
+/** There, looking away from home. */
+static struct jp_place place_at(const struct jp_home *home, const struct jp_point *point)
+{
+    const jp_q16 cell = terrain_of(home)->config.resolution;
+    const struct jp_point at_home = {home->config.x * cell + cell / 2, home->config.y * cell + cell / 2};
+
+    return (struct jp_place){.point = *point, .heading = jp_frame_direction(&at_home, point)};
+}
+
+static enum jp_home_start next_start(const struct jp_home *home)
+{
+    const struct jp_home_internal *internal = &home->internal;
+
+    if (home->state != JP_HOME_PREPARING || !internal->way.is_known) {
+        return JP_HOME_FROM_ROBOT;
+    }
+    return internal->is_goal_known ? JP_HOME_FROM_OUTSIDE : JP_HOME_FROM_GOAL;
+}
+
+static struct jp_place place_of(const struct jp_home *home, enum jp_home_start start)
+{
+    if (start == JP_HOME_FROM_ROBOT) {
+        return jp_navigator_place(home->config.navigator);
+    }
+    const struct jp_point point = start == JP_HOME_FROM_GOAL ? goal_point(home) : outside_point(home);
+
+    return place_at(home, &point);
+}
+
 static void begin_course(struct jp_home *home)
 {
     struct jp_navigator *survey = &home->internal.survey;
 
-    home->internal.is_from_goal = home->state == JP_HOME_PREPARING && home->internal.way.is_known;
+    home->internal.start = next_start(home);
 
-    const struct jp_place place =
-        home->internal.is_from_goal ? goal_place(home) : jp_navigator_place(home->config.navigator);
+    const struct jp_place place = place_of(home, home->internal.start);
     struct jp_lattice_pose pose;
 
     home->internal.cost = pose_here(home, &place, &pose);
@@ -136,13 +180,15 @@ static void begin_course(struct jp_home *home)
     (void)jp_course_start_on_field(&survey->internal.course, &home->internal.field, &pose, &place.point);
 }
 
-/** A goal from which no course leads is left to the planner; and where the map has changed the field may be wrong. */
+/** What has no course home: a goal is left to the planner, and nobody knows what is needed outside; and where the map
+ * has changed the field may be wrong. */
 static void end_join(struct jp_home *home, bool is_stuck)
 {
     struct jp_home_internal *internal = &home->internal;
 
-    internal->is_goal_known = internal->is_goal_known || (internal->is_from_goal && is_stuck);
-    internal->is_stuck = !internal->is_from_goal && is_stuck;
+    internal->is_goal_known = internal->is_goal_known || (internal->start == JP_HOME_FROM_GOAL && is_stuck);
+    internal->is_outside_known = internal->is_outside_known || (internal->start == JP_HOME_FROM_OUTSIDE && is_stuck);
+    internal->is_stuck = internal->start == JP_HOME_FROM_ROBOT && is_stuck;
     if (is_stuck && jp_pose_field_is_outdated(&internal->field)) {
         internal->is_stuck = false;
         grow_anew(home);
@@ -151,7 +197,6 @@ static void end_join(struct jp_home *home, bool is_stuck)
 
 static void join(struct jp_home *home)
 {
-    static const struct jp_forecast nothing = {0, 0};
     struct jp_navigator *survey = &home->internal.survey;
     struct jp_course *course = &survey->internal.course;
 
@@ -255,7 +300,7 @@ static jp_q16 begin_energy(const struct jp_home *home)
 {
     const struct jp_home_way *price = &home->internal.price;
 
-    return price->is_known ? scaled(price, PRICE_STEPS * level_step(home)).energy : 0;
+    return price->is_known ? scaled(price, (jp_cost)PRICE_STEPS * level_step(home)).energy : 0;
 }
 
 /** A way of drives of a kind, with what home has learned of them. */
@@ -355,8 +400,10 @@ static void end_drive(struct jp_home *home, struct jp_home_factor *factor)
     const jp_q16 begin = begin_energy(home);
     const struct jp_forecast forecast = {jp_add(drive->forecast.energy, begin), drive->forecast.deviation};
 
-    /* A drive that took nothing teaches nothing, nor one before any way was surveyed. */
-    (void)jp_home_factor_learn(factor, given_since(home, drive->given), &forecast, begin);
+    /* A drive without a course teaches nothing, nor one that took nothing or before any way was surveyed. */
+    if (drive->has_forecast) {
+        (void)jp_home_factor_learn(factor, given_since(home, drive->given), &forecast, begin);
+    }
 }
 
 static void fail(struct jp_home *home, enum jp_status status)
@@ -404,20 +451,44 @@ static void turn_back(struct jp_home *home)
     }
 }
 
+/** What is left takes it outside, for which it may have to turn as much as for the way back, and home, or nobody knows.
+ */
+static bool may_leave(const struct jp_home *home)
+{
+    const struct jp_forecast *outside = &home->internal.outside;
+    const struct jp_forecast there_and_back = {jp_add(outside->energy, outside->energy),
+                                               jp_add(outside->deviation, outside->deviation)};
+    const struct jp_forecast way = way_of(home, &there_and_back, 2);
+    struct jp_forecast left;
+    jp_q31 probability = 0;
+
+    return home->config.confidence == 0 || !home->config.left(home->config.context, &left) ||
+           (jp_forecast_suffices(&left, &way, &probability) == JP_OK && probability >= home->config.confidence);
+}
+
+static void go(struct jp_home *home)
+{
+    home->state = JP_HOME_OUT;
+    begin_drive(home);
+    const enum jp_status status = jp_navigator_go(home->config.navigator, &home->internal.goal);
+
+    if (status != JP_OK) {
+        fail(home, status);
+    }
+}
+
 static void leave(struct jp_home *home)
 {
-    if (home->internal.is_stuck) {
-        fail(home, JP_ERR_NO_PLAN);
-    } else if (home->internal.way.is_known && home->internal.is_goal_known) {
-        home->state = JP_HOME_OUT;
-        begin_drive(home);
-        const enum jp_status status = jp_navigator_go(home->config.navigator, &home->internal.goal);
+    const struct jp_home_internal *internal = &home->internal;
 
-        if (status != JP_OK) {
-            fail(home, status);
-        }
-    } else {
+    if (internal->is_stuck) {
+        fail(home, JP_ERR_NO_PLAN);
+    } else if (!internal->way.is_known || !internal->is_goal_known || !internal->is_outside_known) {
         /* It waits. */
+    } else if (may_leave(home)) {
+        go(home);
+    } else {
+        turn_back(home);
     }
 }
 
@@ -478,6 +549,8 @@ enum jp_status jp_home_go(struct jp_home *home, const struct jp_goal *goal)
     }
     home->internal.goal = *goal;
     home->internal.is_goal_known = false;
+    home->internal.is_outside_known = false;
+    home->internal.outside = nothing;
     home->has_turned_back = false;
     home->status = JP_OK;
     home->state = JP_HOME_PREPARING;

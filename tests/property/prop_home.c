@@ -128,6 +128,69 @@ static void expect_refused(const char *name)
     TEST_ASSERT_EQUAL_STRING(name, field);
 }
 
+/* ---- Whether it leaves ---- */
+
+/* At home nothing is needed, and one step out it must turn round. */
+static void test_does_not_leave_with_less_than_a_short_way_out_and_back(void)
+{
+    init_home();
+    battery.energy = JP_Q16(0.5);
+    battery.deviation = 1;
+    const struct jp_home_learned before = home.learned;
+    const struct jp_place place = jp_navigator_place(&navigator);
+
+    go_out(19, 19);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_HOME));
+    const struct jp_place after = jp_navigator_place(&navigator);
+
+    TEST_ASSERT_TRUE(home.has_turned_back);
+    TEST_ASSERT_EQUAL_INT(JP_OK, home.status);
+    TEST_ASSERT_EQUAL_MEMORY(&place, &after, sizeof place);
+    TEST_ASSERT_EQUAL_MEMORY(&before, &home.learned, sizeof before);
+}
+
+static void test_leaves_whatever_is_left_where_it_never_turns_back(void)
+{
+    settings.confidence = 0;
+    init_home();
+    battery.energy = JP_Q16(0.5);
+    go_out(19, 19);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
+}
+
+static void test_leaves_when_nobody_knows_what_is_left(void)
+{
+    init_home();
+    battery.is_known = false;
+    go_out(19, 19);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
+}
+
+/* Ten steps towards a goal that is nearer are the goal; what takes it there and back is needed to leave. */
+static void test_leaves_for_a_near_goal_with_what_the_way_there_and_back_takes(void)
+{
+    struct jp_home_answer answer;
+
+    init_home();
+    go_out(8, 4);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
+    work_some(3000);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_home_ask(&home, &answer));
+    const jp_q16 way = answer.way.energy;
+
+    setUp();
+    init_home();
+    battery.energy = 8 * way;
+    go_out(8, 4);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_AT_GOAL));
+    setUp();
+    init_home();
+    battery.energy = way;
+    go_out(8, 4);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_HOME));
+    TEST_ASSERT_TRUE(home.has_turned_back);
+}
+
 /* ---- What is refused ---- */
 
 static void test_refuses_configurations(void)
