@@ -102,6 +102,21 @@ static void test_a_stand_has_no_increments(void)
     TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.turn);
 }
 
+/* Nor is the count left that came in the last step before. */
+static void test_a_stand_forgets_the_last_increments(void)
+{
+    run(STEP_TICKS, 100, 300);
+    run((STAND_STEPS - 1) * STEP_TICKS - 1, 0, 0);
+    tick(0, 1);
+    TEST_ASSERT_TRUE(odometry.internal.is_moving);
+    TEST_ASSERT_TRUE(odometry.internal.step.way != 0);
+    run(STEP_TICKS, 0, 0);
+    TEST_ASSERT_FALSE(odometry.internal.is_moving);
+    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.way);
+    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.side_way);
+    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.wheel_turn);
+}
+
 static void test_a_step_begins_with_empty_sums(void)
 {
     sensors.yaw_rate = JP_Q24(0.1);

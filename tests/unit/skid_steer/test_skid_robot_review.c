@@ -51,7 +51,10 @@ static void test_a_frame_that_was_dropped_is_not_judged(void)
 /* Braking on after its IMU has failed, it makes up for no heading, and its ground names no other fault. */
 static void test_an_imu_that_failed_is_not_believed(void)
 {
-    make_driving();
+    const struct jp_skid_command bend = {.motion = {JP_Q24(0.4), JP_Q24(0.2)}, .duration = JP_Q16(4)};
+
+    make_standing();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_robot_drive(&robot, &bend));
     run(RATE / 2);
     sensors.pitch_rate = INT32_MAX;
     run(3);
