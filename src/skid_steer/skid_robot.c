@@ -126,7 +126,6 @@ static void give_up(struct jp_skid_robot_internal *robot)
 static void stand_still(struct jp_skid_robot_internal *robot)
 {
     robot->reference = (struct jp_motion){0, 0};
-    robot->heading_error = 0;
     jp_skid_control_forget(&robot->control);
 }
 
@@ -134,7 +133,6 @@ static void begin_to_stand(struct jp_skid_robot_internal *robot)
 {
     give_up(robot); /* a command handed over while the robot switched off */
     jp_skid_control_forget(&robot->control);
-    robot->found = 0;
     robot->state = JP_SKID_ROBOT_STANDING;
 }
 
@@ -287,7 +285,6 @@ static void guide_on_path(struct jp_skid_robot_internal *robot, struct jp_skid_s
 
     robot->reference = follow->motion;
     robot->acceleration = follow->acceleration;
-    robot->heading_error = 0;
     *set_point = (struct jp_skid_set_point){
         .speed = tread_speed(robot, rise),
         .turn_rate = robot->reference.turn_rate,
@@ -395,9 +392,6 @@ static void measure(struct jp_skid_robot_internal *robot, const struct jp_sensor
 {
     struct jp_sensors *good = &robot->monitor.good;
 
-    if (!robot->started) {
-        return;
-    }
     /* The monitor drops the whole frame: wheels that turn would seem to stand. */
     if (robot->monitor.suspected != 0U && (robot->monitor.suspected & WHEEL_SUSPICIONS) == 0U) {
         good->encoder_left = frame->encoder_left;
@@ -565,7 +559,6 @@ enum jp_status jp_skid_robot_enable(struct jp_skid_robot *robot)
 
 void jp_skid_robot_disable(struct jp_skid_robot *robot)
 {
-    jp_post(&robot->internal.next_full, 0);
     jp_post(&robot->internal.enable_requested, 0);
     jp_post(&robot->internal.disable_requested, 1);
 }

@@ -451,3 +451,129 @@ static void test_blindly_takes_what_the_motion_takes(void)
     jp_skid_control_blindly(&control, &config, &set_point, JP_Q16(5), &voltages);
     TEST_ASSERT_EQUAL_INT32(JP_Q16(5), voltages.left);
 }
+
+/* ---- To the last bit ---- */
+
+static void test_counts_before_it_counts_are_no_motion(void)
+{
+    jp_skid_control_count_from(&control, 5000000, 0U - 7000000U);
+    jp_skid_control_measure(&control, &config, 5000000, 0U - 7000000U);
+    for (int side = 0; side < JP_SKID_SIDES; side++) {
+        TEST_ASSERT_EQUAL_INT32(0, control.sides[side].rate);
+        TEST_ASSERT_TRUE(control.sides[side].rolled == 0);
+    }
+}
+
+static void test_both_sides_forget_all_of_it(void)
+{
+    for (int side = 0; side < JP_SKID_SIDES; side++) {
+        control.sides[side].behind = JP_PHASE_TURN;
+        control.sides[side].reference = JP_Q24(1);
+    }
+    jp_skid_control_forget(&control);
+    for (int side = 0; side < JP_SKID_SIDES; side++) {
+        TEST_ASSERT_TRUE(control.sides[side].behind == 0);
+        TEST_ASSERT_EQUAL_INT32(0, control.sides[side].reference);
+    }
+}
+
+/* Of the angle that the rate did not explain, a share is taken in the tick, and so much of it a second into the rate.
+ */
+static void test_rates_track_the_counts_by_both_gains(void)
+{
+    const double count = (double)config.wheel_per_count / (double)JP_PHASE_TURN;
+    double untracked = 0;
+    double rate = 0;
+
+    config.tracking_gain = JP_Q16(0.5);
+    config.tracking_rate_gain = JP_Q16(50);
+    for (int tick = 0; tick < 30; tick++) {
+        const int32_t counts = tick < 15 ? 90 : -40;
+
+        roll(1, (uint32_t)counts, 0);
+        const double error = untracked + counts * count - rate / 500;
+
+        untracked = error / 2;
+        rate += error * 50;
+        TEST_ASSERT_INT32_WITHIN(64 + tick * 8, (int32_t)(rate * 16777216), control.sides[JP_SKID_LEFT].rate);
+    }
+}
+
+/** Its load by nothing but what a set-point takes, without what it gains by braking. */
+static jp_q16 load_of(jp_q24 speed, jp_q24 acceleration)
+{
+    start(JP_Q24_ONE);
+    config.rolling = 0;
+    config.acceleration = 1;
+    config.braking = 0;
+    set_point = (struct jp_skid_set_point){.speed = speed, .acceleration = acceleration};
+    start(JP_Q24_ONE);
+    update();
+    return control.sides[JP_SKID_LEFT].load;
+}
+
+/* It drives where load and motion are of one sign; a wheel that stands is held, as one that brakes. */
+static void test_the_least_load_and_the_least_rate_drive(void)
+{
+    TEST_ASSERT_EQUAL_INT32(1, load_of(JP_Q24(0.1), JP_Q24(1)));
+    TEST_ASSERT_EQUAL_INT32(-1, load_of(-JP_Q24(0.1), -JP_Q24(1)));
+    TEST_ASSERT_EQUAL_INT32(2, load_of(1, JP_Q24(2)));
+    TEST_ASSERT_EQUAL_INT32(-2, load_of(-1, -JP_Q24(2)));
+    TEST_ASSERT_EQUAL_INT32(0, load_of(0, JP_Q24(2)));
+    TEST_ASSERT_EQUAL_INT32(0, load_of(0, -JP_Q24(2)));
+    TEST_ASSERT_EQUAL_INT32(0, load_of(1, -JP_Q24(2)));
+    TEST_ASSERT_EQUAL_INT32(0, load_of(-1, JP_Q24(2)));
+}
+
+static void test_the_least_moment_of_a_turn_is_taken(void)
+{
+    config.turning = 1;
+    config.turning_decrease = 0;
+    config.rolling = 0;
+    start(JP_Q24_ONE);
+    set_point.turn_rate = JP_Q24(4);
+    update();
+    TEST_ASSERT_EQUAL_INT32(1, control.sides[JP_SKID_RIGHT].load);
+}
+
+/* Half a bit and more is one: 0.6 of the last bit of a volt. */
+static void test_voltages_are_rounded(void)
+{
+    config.back_emf = 1;
+    config.proportional = 0;
+    config.integral = 1;
+    config.rolling = 0;
+    config.turns_per_metre = JP_Q24_ONE;
+    start(JP_Q24_ONE);
+    set_point.speed = JP_Q24(0.6);
+    update();
+    TEST_ASSERT_EQUAL_INT32(1, voltages.left);
+    start(JP_Q24_ONE);
+    set_point.speed = JP_Q24(0.4);
+    update();
+    TEST_ASSERT_EQUAL_INT32(0, voltages.left);
+}
+
+static void test_the_integral_is_limited_to_the_bit(void)
+{
+    const jp_phase limit = (jp_phase)(uint32_t)control.behind_limit << 32;
+
+    control.sides[JP_SKID_LEFT].behind = limit + ((jp_phase)1 << 32);
+    control.sides[JP_SKID_RIGHT].behind = limit;
+    update();
+    TEST_ASSERT_TRUE(control.sides[JP_SKID_LEFT].behind == limit);
+    TEST_ASSERT_TRUE(control.sides[JP_SKID_RIGHT].behind == limit);
+}
+
+static void test_blindly_each_side_takes_its_own(void)
+{
+    set_point.turn_rate = JP_Q24(0.3);
+    voltages = (struct jp_voltages){1, 1, true};
+    jp_skid_control_blindly(&control, &config, &set_point, BUS, &voltages);
+    for (int side = 0; side < JP_SKID_SIDES; side++) {
+        TEST_ASSERT_INT32_WITHIN(4, volts(control.sides[side].load, control.sides[side].reference),
+                                 side == JP_SKID_LEFT ? voltages.left : voltages.right);
+    }
+    TEST_ASSERT_TRUE(voltages.right > voltages.left);
+    TEST_ASSERT_FALSE(voltages.saturated);
+}

@@ -112,11 +112,12 @@ static void test_too_steep_lasts_until_it_is_a_fault(void)
 
 static void test_tilt_to_the_side_shows_upright(void)
 {
-    sensors.accel_z = config.upright - 100;
+    sensors.accel_z = config.upright - 1;
     expect_steep();
-    sensors.accel_z = config.upright + 100;
+    sensors.accel_z = config.upright;
     start();
     TEST_ASSERT_EQUAL_HEX16(0, look(2U * config.slope_calls, 0));
+    TEST_ASSERT_FALSE(jp_skid_monitor_is_steep(&monitor, &config));
 }
 
 /* The wheels */
@@ -258,15 +259,26 @@ static void test_wheels_that_spin_contradict_the_gyro(void)
 }
 
 /** Without a low-pass: each side should take so much of the ground, and takes so much. */
-static uint16_t take(jp_q16 expected, jp_q16 left, jp_q16 right)
+static uint16_t take_so(jp_q16 expected, jp_q16 left, jp_q16 right, bool backwards)
 {
+    const jp_q16 load = config.friction + expected;
+
     config.smoothing = INT32_MAX;
     start();
-    carry(config.friction + left, config.friction + right, false);
+    carry(config.friction + left, config.friction + right, backwards);
     for (int side = 0; side < JP_SKID_SIDES; side++) {
-        control.sides[side].load = config.friction + expected;
+        control.sides[side].load = backwards ? -load : load;
     }
     return watch(config.contradicted_calls);
+}
+
+/** The same whichever way it drives. */
+static uint16_t take(jp_q16 expected, jp_q16 left, jp_q16 right)
+{
+    const uint16_t fault = take_so(expected, left, right, false);
+
+    TEST_ASSERT_EQUAL_HEX16(fault, take_so(expected, left, right, true));
+    return fault;
 }
 
 /* Less than a quarter of it is free, more than a half carries. */

@@ -168,6 +168,24 @@ static void test_the_acceleration_is_that_of_the_speed_with_the_way_back(void)
     TEST_ASSERT_INT32_WITHIN(JP_Q24(0.001), config.path.speed_correction, beyond);
 }
 
+/* The slope is told from the accelerometer without the acceleration of the path. */
+static void test_a_path_accelerates_as_it_says(void)
+{
+    jp_q24 most = 0;
+
+    begin();
+    run(4);
+    while (robot.internal.follow.path != NULL) {
+        const jp_q24 asked = robot.internal.follow.acceleration;
+
+        run(1);
+        TEST_ASSERT_EQUAL_INT32(asked, robot.internal.acceleration);
+        most = asked > most ? asked : most;
+    }
+    TEST_ASSERT_TRUE(most > JP_Q24(0.1));
+    TEST_ASSERT_TRUE(telemetry().path_piece > 0);
+}
+
 /* As a flipped bit of the memory would leave it: the path goes on. */
 static void test_a_part_that_is_none_advances(void)
 {
