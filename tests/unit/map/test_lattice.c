@@ -896,3 +896,25 @@ static void test_cells_without_a_cost_leave_energies(void)
         }
     }
 }
+
+/* It takes their lengths in cells rounded up, so that none is bounded by more than it costs, nor by much less. */
+static void test_straight_bound_of_each_unit_step(void)
+{
+    for (unsigned kind = 0; kind < (unsigned)JP_MOVE_KINDS; kind++) {
+        const int64_t square = kind == (unsigned)JP_MOVE_AXIS ? 1 : kind == (unsigned)JP_MOVE_KNIGHT ? 5 : 2;
+        struct jp_straight straight;
+
+        for (unsigned move = 0; move < (unsigned)JP_MOVE_KINDS; move++) {
+            const struct jp_polynomial level = {(move == kind ? 1000 : 30000) * JP_Q16_ONE, 0, 0};
+
+            copy.move_costs[JP_COST_PHYSICAL][move] =
+                (struct jp_slope_cost){.climb = level, .descend = level, .rise_max = 10, .floor = 1};
+        }
+        jp_lattice_straight(&copy, JP_COST_PHYSICAL, &straight);
+        /* per_cell · length in Q16 is what the step costs, with a length that is at most 1 too long. */
+        const int64_t length = (INT64_C(1000) << 32) / straight.per_cell;
+
+        TEST_ASSERT_TRUE((length + 1) * (length + 1) >= square << 32);
+        TEST_ASSERT_TRUE((length - 1) * (length - 1) < square << 32);
+    }
+}

@@ -439,3 +439,36 @@ static void test_the_unit_step_is_found_at_any_place(void)
         }
     }
 }
+
+/* On a slope with a dear cell: each step to the root costs what the lattice charges where it begins. */
+static void test_each_step_is_charged_where_it_begins(void)
+{
+    map.has_costs = true;
+    map.width = 8;
+    make_level_map(&map);
+    raise_to_the_east();
+    (void)jp_terrain_set_cost(&terrain, 4, 2, 3);
+    init();
+    for (unsigned sense = 0; sense < 2U; sense++) {
+        unsigned steps = 0;
+
+        start(sense == 0U ? JP_POSE_FIELD_FROM_ROOT : JP_POSE_FIELD_TO_ROOT, 4, 3, JP_ANY_HEADING, LIMIT);
+        for (int32_t i = 0; i < map.width * map.height * JP_HEADINGS; i++) {
+            const struct jp_lattice_pose far = {(int16_t)(i / JP_HEADINGS % map.width),
+                                                (int16_t)(i / JP_HEADINGS / map.width), (uint8_t)(i % JP_HEADINGS)};
+            struct jp_lattice_pose near = far;
+
+            if (!jp_pose_field_next(&field, &near) || near.heading != far.heading) {
+                continue;
+            }
+            const struct jp_lattice_pose *from = sense == 0U ? &near : &far;
+            const jp_cost cost = jp_lattice_energy(lattice, JP_COST_PHYSICAL, &terrain,
+                                                   jp_unit_step(lattice, far.heading), from->x, from->y);
+
+            TEST_ASSERT_EQUAL_UINT32(jp_pose_field_cost(&field, near.x, near.y, near.heading) + cost,
+                                     jp_pose_field_cost(&field, far.x, far.y, far.heading));
+            steps++;
+        }
+        TEST_ASSERT_TRUE(steps > 0U);
+    }
+}
