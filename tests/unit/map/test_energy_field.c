@@ -338,3 +338,78 @@ static void test_two_bytes_round_down(void)
     expect_below(3, 3);
     TEST_ASSERT_TRUE(jp_energy_field_bound(&field, 8, 3) > 4 * AXIS_COST);
 }
+
+/* ---- A robot of a cell ---- */
+
+/* So that a step needs nothing but the cell where it ends. */
+static struct jp_lattice small;
+static const struct jp_span own_cell = {0, 0, 0};
+
+static void init_small(void)
+{
+    small = *lattice;
+    small.spans = &own_cell;
+    small.core = (struct jp_cells){0, 1};
+    jp_energy_field_init(&field, &small, JP_COST_PHYSICAL, &terrain, JP_WAVE_3_BYTES, JP_COST_MAX, block);
+}
+
+static void block_all_but(int32_t x, int32_t y)
+{
+    for (int32_t i = 0; i < WIDTH * HEIGHT; i++) {
+        const enum jp_cell cell = i == y * WIDTH + x ? JP_CELL_FREE : JP_CELL_OCCUPIED;
+
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_cell(&terrain, i % WIDTH, i / WIDTH, cell));
+    }
+}
+
+static void test_a_cell_that_becomes_free_is_reached_by_each_of_the_steps(void)
+{
+    init_small();
+    for (unsigned direction = 0; direction < JP_MOVE_DIRECTIONS; direction++) {
+        const int32_t x = 8 + jp_move_offsets[direction].dx;
+        const int32_t y = 6 + jp_move_offsets[direction].dy;
+
+        block_all_but(8, 6);
+        jp_energy_field_start(&field, 8, 6, 8, 6);
+        grow();
+        change(x, y, JP_CELL_FREE);
+        grow();
+        TEST_ASSERT_EQUAL_UINT32(jp_move_cost(&small.move_costs[JP_COST_PHYSICAL][jp_move_kind_of(direction)], 0),
+                                 jp_wavefront_value(&field.wave, x, y));
+    }
+}
+
+/* The core of the lattice lets go of cells some way off, on either side. */
+static void test_a_cell_that_becomes_free_opens_those_beside_it(void)
+{
+    for (int32_t x = 2; x < WIDTH - 2; x++) {
+        put_column(x, HEIGHT / 2, HEIGHT / 2, JP_CELL_OCCUPIED);
+        jp_energy_field_start(&field, 8, 3, 8, HEIGHT - 4);
+        grow();
+        change(x, HEIGHT / 2, JP_CELL_FREE);
+        grow();
+        expect_exact(8, 3);
+    }
+}
+
+static void test_a_root_that_rises_makes_what_is_round_it_cheaper(void)
+{
+    init_small();
+    start_and_grow();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, 3, 3, 10));
+    jp_energy_field_cell_changed(&field, 3, 3);
+    grow();
+    TEST_ASSERT_EQUAL_UINT32(jp_move_cost(&small.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS], -10),
+                             jp_energy_field_bound(&field, 4, 3));
+}
+
+static void test_no_cell_is_told_where_nothing_fell(void)
+{
+    start_and_grow();
+    (void)jp_energy_field_take_lowered(&field);
+    jp_energy_field_cell_changed(&field, 6, 5);
+    grow();
+    const struct jp_cell_box box = jp_energy_field_take_lowered(&field);
+
+    TEST_ASSERT_TRUE(box.last_x < box.first_x);
+}

@@ -370,3 +370,59 @@ static void test_begins_in_any_memory(void)
     grow(JP_GUIDE_FROM_ROOT, &west);
     TEST_ASSERT_UINT32_WITHIN(2 * AXIS_COST, 8 * AXIS_COST, estimate(12, 8, 0));
 }
+
+/* An odd number of cells takes half a byte more, and no more. */
+static void test_size_of_few_cells(void)
+{
+    static const struct jp_terrain_config few = {.width = 5, .height = 3, .resolution = JP_Q16(0.2)};
+
+    TEST_ASSERT_EQUAL_UINT32(jp_wavefront_size(5, 3, JP_WAVE_2_BYTES) + 8U, jp_guide_field_size(&few, 1));
+}
+
+/* What an interrupted growth has left does not matter. */
+static void test_a_start_anew_forgets_a_growth_that_was_cut(void)
+{
+    jp_cost expected[SIDE * SIDE];
+
+    grow(JP_GUIDE_FROM_ROOT, &west);
+    for (int32_t i = 0; i < SIDE * SIDE; i++) {
+        expected[i] = estimate(i % SIDE, i / SIDE, 3);
+    }
+    for (unsigned cut = 1; cut < 4000; cut += 37) {
+        const struct jp_guide_root other = {10, 5, 1U << 4};
+        unsigned looks = cut;
+
+        jp_guide_field_start(&guide, JP_GUIDE_FROM_ROOT, &other, 12, 12);
+        (void)jp_guide_field_grow(&guide, &looks);
+        grow(JP_GUIDE_FROM_ROOT, &west);
+        for (int32_t i = 0; i < SIDE * SIDE; i++) {
+            TEST_ASSERT_EQUAL_UINT32(expected[i], estimate(i % SIDE, i / SIDE, 3));
+        }
+    }
+}
+
+/* A robot of a cell comes near both edges; a wall parts them. What is beyond one is not what is before the other. */
+static void test_no_way_leads_round_the_edges(void)
+{
+    static const struct jp_span own_cell = {0, 0, 0};
+    struct jp_lattice small = *lattice;
+
+    small.spans = &own_cell;
+    small.core = (struct jp_cells){0, 1};
+    put_column(8, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    put_column(9, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    for (unsigned scale = 1; scale <= 2; scale++) {
+        for (unsigned direction = 0; direction < 2; direction++) {
+            const struct jp_guide_root edge = {0, 8, JP_ANY_HEADING};
+
+            init(scale);
+            jp_guide_field_set_lattice(&guide, &small);
+            grow(direction == 0 ? JP_GUIDE_FROM_ROOT : JP_GUIDE_TO_ROOT, &edge);
+            for (int32_t i = 0; i < SIDE * SIDE; i++) {
+                if (i % SIDE != 8 && i % SIDE != 9) {
+                    TEST_ASSERT_EQUAL_INT(i % SIDE < 8, jp_guide_field_reaches(&guide, i % SIDE, i / SIDE));
+                }
+            }
+        }
+    }
+}

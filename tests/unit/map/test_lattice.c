@@ -864,3 +864,57 @@ static void test_check_of_the_ends_of_every_primitive(void)
     }
     TEST_ASSERT_TRUE(cut > 3);
 }
+
+/* Costs of 0 charge nothing, however the ground rises. */
+static void test_cells_without_a_cost_leave_energies(void)
+{
+    enum { SMALL = 20 };
+    static jp_cost plain[PRIMITIVES_MAX];
+    const struct jp_lattice *lattice = &jp_lattice_zhang2018;
+
+    for (unsigned pass = 0; pass < 2; pass++) {
+        const struct jp_terrain_config config = {.width = SMALL,
+                                                 .height = SMALL,
+                                                 .resolution = JP_Q16(0.2),
+                                                 .has_elevation = true,
+                                                 .has_costs = pass == 1,
+                                                 .unknown_is_free = true};
+        const char *field = NULL;
+
+        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_terrain_init(&terrain, &config, block, sizeof block, &field));
+        for (int32_t i = 0; i < SMALL * SMALL; i++) {
+            TEST_ASSERT_EQUAL_INT32(
+                JP_OK, jp_terrain_set_elevation(&terrain, i % SMALL, i / SMALL, (jp_elevation)(300 + i * 37 % 11)));
+        }
+        for (unsigned i = 0; i < count_of(lattice); i++) {
+            const jp_cost cost =
+                jp_lattice_energy(lattice, JP_COST_PHYSICAL, &terrain, &lattice->primitives[i], SMALL / 2, SMALL / 2);
+
+            TEST_ASSERT_TRUE(cost < JP_COST_MAX);
+            TEST_ASSERT_TRUE(pass == 0 || cost == plain[i]);
+            plain[i] = cost;
+        }
+    }
+}
+
+/* It takes their lengths in cells rounded up, so that none is bounded by more than it costs, nor by much less. */
+static void test_straight_bound_of_each_unit_step(void)
+{
+    for (unsigned kind = 0; kind < (unsigned)JP_MOVE_KINDS; kind++) {
+        const int64_t square = kind == (unsigned)JP_MOVE_AXIS ? 1 : kind == (unsigned)JP_MOVE_KNIGHT ? 5 : 2;
+        struct jp_straight straight;
+
+        for (unsigned move = 0; move < (unsigned)JP_MOVE_KINDS; move++) {
+            const struct jp_polynomial level = {(move == kind ? 1000 : 30000) * JP_Q16_ONE, 0, 0};
+
+            copy.move_costs[JP_COST_PHYSICAL][move] =
+                (struct jp_slope_cost){.climb = level, .descend = level, .rise_max = 10, .floor = 1};
+        }
+        jp_lattice_straight(&copy, JP_COST_PHYSICAL, &straight);
+        /* per_cell · length in Q16 is what the step costs, with a length that is at most 1 too long. */
+        const int64_t length = (INT64_C(1000) << 32) / straight.per_cell;
+
+        TEST_ASSERT_TRUE((length + 1) * (length + 1) >= square << 32);
+        TEST_ASSERT_TRUE((length - 1) * (length - 1) < square << 32);
+    }
+}

@@ -128,3 +128,52 @@ static void test_no_line_costs_less_than_nothing(void)
 
     TEST_ASSERT_EQUAL_UINT32(0, jp_line_cost(&free, &terrain, &from, &to));
 }
+
+/* Where the wheels of one side alone are on ground that takes twice as much, the line takes half as much again. */
+static void test_each_side_pays_for_its_ground(void)
+{
+    const jp_cost half_more = 12 * cost_of_step(0) + 12 * cost_of_step(0) / 2;
+
+    prices.ground[2].straight = JP_GROUND_ONE;
+    prices.half_track = lattice->resolution;
+    for (int32_t i = 0; i < SIDE * SIDE; i++) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_class(&terrain, i % SIDE, i / SIDE, i / SIDE >= 12 ? 2 : 0));
+    }
+    TEST_ASSERT_UINT32_WITHIN(2, half_more, cost_of(4, 11, 16, 11));
+    TEST_ASSERT_UINT32_WITHIN(2, half_more, cost_of(16, 12, 4, 12));
+    TEST_ASSERT_UINT32_WITHIN(2, 12 * cost_of_step(0), cost_of(4, 10, 16, 10));
+    TEST_ASSERT_UINT32_WITHIN(2, 24 * cost_of_step(0), cost_of(4, 13, 16, 13));
+    for (int32_t i = 0; i < SIDE * SIDE; i++) {
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_class(&terrain, i % SIDE, i / SIDE, i % SIDE >= 12 ? 2 : 0));
+    }
+    TEST_ASSERT_UINT32_WITHIN(2, half_more, cost_of(11, 4, 11, 16));
+    TEST_ASSERT_UINT32_WITHIN(2, half_more, cost_of(12, 16, 12, 4));
+    TEST_ASSERT_UINT32_WITHIN(2, 12 * cost_of_step(0), cost_of(10, 4, 10, 16));
+    TEST_ASSERT_UINT32_WITHIN(2, 24 * cost_of_step(0), cost_of(13, 4, 13, 16));
+}
+
+/* On a slanted line the wheels of its left side are on its left, by as much along both axes. */
+static void test_sides_of_slanted_lines(void)
+{
+    const struct {
+        int32_t x;
+        int32_t y;
+    } ends[] = {{16, 16}, {8, 16}, {8, 8}, {16, 8}};
+    const jp_cost level = cost_of(12, 12, 16, 16);
+
+    prices.ground[2].straight = JP_GROUND_ONE;
+    prices.half_track = 4 * lattice->resolution;
+    for (unsigned i = 0; i < 4U; i++) {
+        const int32_t dx = ends[i].x - 12;
+        const int32_t dy = ends[i].y - 12;
+
+        for (int32_t cell = 0; cell < SIDE * SIDE; cell++) {
+            const int32_t left = dx * (cell / SIDE - 12) - dy * (cell % SIDE - 12);
+            const int32_t ahead = dx * (cell % SIDE - 12) + dy * (cell / SIDE - 12);
+
+            TEST_ASSERT_EQUAL_INT(
+                JP_OK, jp_terrain_set_class(&terrain, cell % SIDE, cell / SIDE, left > 0 && ahead > -16 ? 2 : 0));
+        }
+        TEST_ASSERT_UINT32_WITHIN(2, level + level / 2, cost_of(12, 12, ends[i].x, ends[i].y));
+    }
+}

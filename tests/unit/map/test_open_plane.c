@@ -86,3 +86,16 @@ static void test_of_another_robot(void)
     make_plane(&jp_lattice_zhang2018);
     expect_as_the_lattice_says(&jp_lattice_zhang2018);
 }
+
+/* Also where the core reaches farther to one side than to the other. */
+static void test_of_a_core_that_is_not_symmetric(void)
+{
+    static const struct jp_span spans[] = {{-1, 0, 2}, {0, -3, 0}, {2, 1, 1}};
+    struct jp_lattice lattice = jp_lattice_courier24;
+
+    lattice.spans = spans;
+    lattice.core = (struct jp_cells){0, 3};
+    make_map(WIDTH_MAX, true);
+    make_plane(&lattice);
+    expect_as_the_lattice_says(&lattice);
+}

@@ -249,13 +249,122 @@ static void test_each_pose_leads_to_a_cheaper_one(void)
 
 static void test_no_way_leads_from_where_it_has_not_been_or_over_what_was_built_since(void)
 {
-    struct jp_lattice_pose pose = {10, 3, 8};
+    struct jp_lattice_pose pose = {8, 3, 8};
 
     init();
     start(JP_POSE_FIELD_TO_ROOT, 3, 3, JP_ANY_HEADING, 2 * step_cost(0));
     TEST_ASSERT_FALSE(jp_pose_field_next(&field, &pose));
     start(JP_POSE_FIELD_TO_ROOT, 3, 3, JP_ANY_HEADING, LIMIT);
-    put_column(9, 0, HEIGHT - 1, JP_CELL_OCCUPIED);
+    TEST_ASSERT_EQUAL_UINT32(5 * step_cost(0), jp_pose_field_cost(&field, 8, 3, 8));
+    put_column(7, 0, HEIGHT - 1, JP_CELL_OCCUPIED);
+    TEST_ASSERT_FALSE(jp_pose_field_next(&field, &pose));
+}
+
+/* On the way to the root the robot turns from the farther heading to the nearer one. */
+static void expect_motion(const struct jp_turns *turns, const struct jp_lattice_pose *from,
+                          const struct jp_lattice_pose *to)
+{
+    if (to->heading == from->heading) {
+        TEST_ASSERT_EQUAL_INT(from->x + jp_move_offsets[from->heading].dx, to->x);
+        TEST_ASSERT_EQUAL_INT(from->y + jp_move_offsets[from->heading].dy, to->y);
+        return;
+    }
+    const uint16_t cost = turns->cost[from->heading][to->heading];
+
+    TEST_ASSERT_TRUE(cost != UINT16_MAX && to->x == from->x && to->y == from->y);
+    for (unsigned by = 0; by < JP_HEADINGS; by++) {
+        TEST_ASSERT_TRUE(by == from->heading || by == to->heading ||
+                         (uint32_t)turns->cost[from->heading][by] + turns->cost[by][to->heading] > cost);
+    }
+}
+
+/* A step of the heading, or a turn between whose headings there is no other on the way. */
+static void test_a_way_takes_one_motion_at_a_time(void)
+{
+    struct jp_turns turns;
+    unsigned count = 0;
+
+    init();
+    jp_lattice_turns(lattice, JP_COST_PHYSICAL, &turns);
+    for (unsigned root = 0; root < JP_HEADINGS; root++) {
+        start(JP_POSE_FIELD_TO_ROOT, 6, 3, (uint16_t)(1U << root), LIMIT);
+        for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+            struct jp_lattice_pose from = {6, 3, (uint8_t)heading};
+            struct jp_lattice_pose to = from;
+
+            for (; jp_pose_field_next(&field, &to); from = to) {
+                expect_motion(&turns, &from, &to);
+                count++;
+            }
+            TEST_ASSERT_EQUAL_UINT32(root, to.heading);
+        }
+    }
+    TEST_ASSERT_TRUE(count > 2U * JP_HEADINGS * JP_HEADINGS);
+}
+
+static jp_cost cost_at(unsigned pose)
+{
+    return jp_pose_field_cost(&field, (int32_t)(pose / JP_HEADINGS) % WIDTH, (int32_t)(pose / JP_HEADINGS) / WIDTH,
+                              pose % JP_HEADINGS);
+}
+
+/* Without elevations a map is level, and costs what one of equal elevations does; slices change nothing. */
+static void test_a_map_without_elevations_is_level(void)
+{
+    static jp_cost expected[POSES];
+
+    init();
+    start(JP_POSE_FIELD_FROM_ROOT, 6, 3, 1U << 3, LIMIT);
+    for (unsigned pose = 0; pose < POSES; pose++) {
+        expected[pose] = cost_at(pose);
+    }
+    map.has_elevation = false;
+    make_level_map(&map);
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_pose_field_start(&field, JP_POSE_FIELD_FROM_ROOT, 6, 3, 1U << 3, LIMIT));
+    grow(1);
+    for (unsigned pose = 0; pose < POSES; pose++) {
+        TEST_ASSERT_EQUAL_UINT32(expected[pose], cost_at(pose));
+    }
+}
+
+static void test_the_least_of_a_cell_is_over_its_headings(void)
+{
+    init();
+    start(JP_POSE_FIELD_FROM_ROOT, 5, 3, 1U << 8, LIMIT);
+    for (int32_t i = 0; i < WIDTH * HEIGHT; i++) {
+        jp_cost least = JP_COST_MAX;
+
+        for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+            const jp_cost cost = jp_pose_field_cost(&field, i % WIDTH, i / WIDTH, heading);
+
+            least = cost < least ? cost : least;
+        }
+        TEST_ASSERT_EQUAL_UINT32(least, jp_pose_field_least(&field, i % WIDTH, i / WIDTH));
+    }
+    TEST_ASSERT_EQUAL_UINT32(0, jp_pose_field_least(&field, 5, 3));
+}
+
+/* So that each motion leads nearer to the root: also where the primitives of a lattice turn for nothing. */
+static void test_no_turn_is_for_nothing(void)
+{
+    static struct jp_primitive primitives[JP_HEADINGS * JP_PRIMITIVES_PER_HEADING_MAX];
+    static struct jp_lattice free;
+    struct jp_lattice_pose pose = {6, 3, 0};
+
+    free = *lattice;
+    for (unsigned i = 0; i < lattice->first_from[JP_HEADINGS]; i++) {
+        primitives[i] = lattice->primitives[i];
+        primitives[i].base[JP_COST_PHYSICAL] = 0;
+    }
+    free.primitives = primitives;
+    lattice = &free;
+    init();
+    start(JP_POSE_FIELD_TO_ROOT, 6, 3, 1U << 1, LIMIT);
+    TEST_ASSERT_EQUAL_UINT32(0, jp_pose_field_cost(&field, 6, 3, 1));
+    TEST_ASSERT_EQUAL_UINT32(1, jp_pose_field_cost(&field, 6, 3, 0));
+    TEST_ASSERT_TRUE(jp_pose_field_next(&field, &pose));
+    TEST_ASSERT_EQUAL_UINT32(1, pose.heading);
     TEST_ASSERT_FALSE(jp_pose_field_next(&field, &pose));
 }
 
@@ -302,4 +411,64 @@ static void test_a_return_map_refuses(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_return_map_start(&out_and_back, &turned, 7, 3, LIMIT));
     TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, jp_return_map_start(&out_and_back, &outside, 7, 3, LIMIT));
     TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, jp_return_map_start(&out_and_back, &from, 7, -1, LIMIT));
+}
+
+/* Wherever it stands among the primitives of its heading. */
+static void test_the_unit_step_is_found_at_any_place(void)
+{
+    static struct jp_primitive primitives[JP_PRIMITIVES_PER_HEADING_MAX];
+    static struct jp_lattice turned;
+
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        const struct jp_primitive *step = jp_unit_step(lattice, heading);
+        const unsigned first = lattice->first_from[heading];
+        const unsigned count = lattice->first_from[heading + 1U] - first;
+
+        TEST_ASSERT_NOT_NULL(step);
+        for (unsigned place = 0; place < count; place++) {
+            for (unsigned i = 0; i < count; i++) {
+                primitives[i] = lattice->primitives[first + i];
+            }
+            primitives[step - &lattice->primitives[first]] = primitives[place];
+            primitives[place] = *step;
+            turned = (struct jp_lattice){.primitives = primitives, .moves = lattice->moves};
+            for (unsigned i = heading + 1U; i <= JP_HEADINGS; i++) {
+                turned.first_from[i] = (uint16_t)count;
+            }
+            TEST_ASSERT_EQUAL_PTR(&primitives[place], jp_unit_step(&turned, heading));
+        }
+    }
+}
+
+/* On a slope with a dear cell: each step to the root costs what the lattice charges where it begins. */
+static void test_each_step_is_charged_where_it_begins(void)
+{
+    map.has_costs = true;
+    map.width = 8;
+    make_level_map(&map);
+    raise_to_the_east();
+    (void)jp_terrain_set_cost(&terrain, 4, 2, 3);
+    init();
+    for (unsigned sense = 0; sense < 2U; sense++) {
+        unsigned steps = 0;
+
+        start(sense == 0U ? JP_POSE_FIELD_FROM_ROOT : JP_POSE_FIELD_TO_ROOT, 4, 3, JP_ANY_HEADING, LIMIT);
+        for (int32_t i = 0; i < map.width * map.height * JP_HEADINGS; i++) {
+            const struct jp_lattice_pose far = {(int16_t)(i / JP_HEADINGS % map.width),
+                                                (int16_t)(i / JP_HEADINGS / map.width), (uint8_t)(i % JP_HEADINGS)};
+            struct jp_lattice_pose near = far;
+
+            if (!jp_pose_field_next(&field, &near) || near.heading != far.heading) {
+                continue;
+            }
+            const struct jp_lattice_pose *from = sense == 0U ? &near : &far;
+            const jp_cost cost = jp_lattice_energy(lattice, JP_COST_PHYSICAL, &terrain,
+                                                   jp_unit_step(lattice, far.heading), from->x, from->y);
+
+            TEST_ASSERT_EQUAL_UINT32(jp_pose_field_cost(&field, near.x, near.y, near.heading) + cost,
+                                     jp_pose_field_cost(&field, far.x, far.y, far.heading));
+            steps++;
+        }
+        TEST_ASSERT_TRUE(steps > 0U);
+    }
 }

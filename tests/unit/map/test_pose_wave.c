@@ -274,3 +274,43 @@ static void test_a_step_above_the_least_is_taken_together(void)
     expect_next(0, HEIGHT - 1, 1U << 5);
     TEST_ASSERT_EQUAL_UINT32(least + 2 * STEP + 1, wave.threshold);
 }
+
+/* Wherever a wave is left, the next one begins as the first. */
+static void test_a_wave_starts_anew_from_anywhere(void)
+{
+    for (int32_t left = 0; left < 6; left++) {
+        clear(LIMIT);
+        memset(fresh, 0, sizeof fresh);
+        for (int32_t i = 0; i < 6; i++) {
+            lower(i, i % HEIGHT, 0, (uint16_t)(150 * i + 1));
+        }
+        for (int32_t i = 0; i <= left; i++) {
+            TEST_ASSERT_EQUAL_INT(JP_POSE_WAVE_CELL, next(1));
+            deal(group.headings);
+        }
+        clear(LIMIT);
+        lower(2, 1, 0, 1);
+        lower(7, 1, 0, 2);
+        lower(4, 3, 0, 3);
+        expect_next(2, 1, 1);
+        expect_next(7, 1, 1);
+        expect_next(4, 3, 1);
+        TEST_ASSERT_EQUAL_INT(JP_POSE_WAVE_STOPPED, next(1));
+    }
+}
+
+/* To and fro over the same cells, with one of them that is due in each sweep: each way takes as many looks. */
+static void test_looks_of_both_directions_are_counted(void)
+{
+    unsigned spent = 0;
+
+    for (unsigned i = 0; i < 64U; i++) {
+        lower(i % 2U == 0U ? WIDTH - 1 : 0, 2, 0, (uint16_t)(i + 1U));
+        for (unsigned poses = 1; jp_pose_wave_next(&wave, &poses, &group) == JP_POSE_WAVE_WAITING; poses = 1) {
+            spent++;
+        }
+        deal(group.headings);
+    }
+    /* Of a sweep 8 cells and a heading, and the four other rows. */
+    TEST_ASSERT_UINT32_WITHIN(6, 64U * (WIDTH - 1U + 1U + HEIGHT - 1U) / 32U, spent);
+}

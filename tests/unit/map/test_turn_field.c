@@ -390,3 +390,27 @@ static void test_begins_in_any_memory(void)
     start_and_grow();
     expect_exact();
 }
+
+/* A root that cannot be left is all that falls: its coarse cell, as far as it is on the map. */
+static void expect_box_of_root(int32_t x, int32_t y, const struct jp_cell_box *its)
+{
+    jp_turn_field_start(&field, &turns, x, y, 3, x, y, 3);
+    grow();
+    const struct jp_cell_box box = jp_turn_field_take_lowered(&field);
+
+    TEST_ASSERT_EQUAL_INT32(its->first_x, box.first_x);
+    TEST_ASSERT_EQUAL_INT32(its->last_x, box.last_x);
+    TEST_ASSERT_EQUAL_INT32(its->first_y, box.first_y);
+    TEST_ASSERT_EQUAL_INT32(its->last_y, box.last_y);
+}
+
+static void test_lowered_cells_are_told_to_the_cell(void)
+{
+    for (int32_t x = 0; x < WIDTH; x++) {
+        put_column(x, 0, HEIGHT - 1, JP_CELL_OCCUPIED);
+    }
+    init(5);
+    expect_box_of_root(7, 6, &(struct jp_cell_box){5, 9, 5, 9});
+    expect_box_of_root(0, 0, &(struct jp_cell_box){0, 4, 0, 4});
+    expect_box_of_root(WIDTH - 1, HEIGHT - 1, &(struct jp_cell_box){15, WIDTH - 1, 10, HEIGHT - 1});
+}

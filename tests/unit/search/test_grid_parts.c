@@ -297,3 +297,20 @@ static void test_work_of_a_search(void)
         }
     }
 }
+
+/* ---- The heuristic ---- */
+
+/* On open ground it says what is left, so that no node is opened that is not on a best way. */
+static void test_open_ground_is_crossed_without_detours(void)
+{
+    for (int32_t start = 0; start < 64; start += 5) {
+        for (int32_t goal = 0; goal < 64; goal += 3) {
+            const int32_t dx = goal % 8 > start % 8 ? goal % 8 - start % 8 : start % 8 - goal % 8;
+            const int32_t dy = goal / 8 > start / 8 ? goal / 8 - start / 8 : start / 8 - goal / 8;
+
+            begin(JP_GRID_OCTILE, start % 8, start / 8, goal % 8, goal / 8);
+            TEST_ASSERT_EQUAL_INT(JP_GRID_FOUND, finish(50));
+            TEST_ASSERT_LESS_OR_EQUAL_UINT32((dx > dy ? dx : dy) + 1, planner.internal.counts.expansions);
+        }
+    }
+}

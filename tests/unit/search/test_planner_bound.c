@@ -143,3 +143,39 @@ static void test_changes_while_the_bound_grows(void)
                          (uint64_t)plan.bound * jp_planner_plan(&planner)->cost);
     }
 }
+
+/* The bound of the turns on the way to the goal is that of the turn field, over the goal's headings. */
+static void test_turns_to_the_goal_are_those_of_the_field(void)
+{
+    static struct jp_turn_field field;
+    static uint64_t field_block[64];
+    jp_cost largest = 0;
+    const uint16_t headings[] = {1U, 1U << 4, 1U << 12 | 1U << 3};
+
+    for (unsigned i = 0; i < sizeof headings / sizeof headings[0]; i++) {
+        const struct jp_goal goal = {east.x, east.y, headings[i]};
+        jp_cost expected = JP_COST_MAX;
+        unsigned looks = UINT32_MAX;
+        unsigned first = 0;
+
+        build_wall();
+        TEST_ASSERT_TRUE(jp_turn_field_size(&map, JP_TURN_SCALE_MAX) <= sizeof field_block);
+        start_planner(SMALL_BLOCK);
+        go(&west, &goal);
+        TEST_ASSERT_EQUAL_INT(JP_ANSWER_WITHIN_BOUND, finish());
+        while (((headings[i] >> first) & 1U) == 0U) {
+            first++;
+        }
+        jp_turn_field_init(&field, lattice, config.cost, &terrain, JP_TURN_SCALE_MAX, field_block);
+        jp_turn_field_start(&field, &planner.internal.turns, west.x, west.y, west.heading, goal.x, goal.y, first);
+        TEST_ASSERT_TRUE(jp_turn_field_grow(&field, &looks));
+        for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+            const jp_cost bound = jp_turn_field_bound(&field, goal.x, goal.y, heading);
+
+            expected = ((headings[i] >> heading) & 1U) != 0U && bound < expected ? bound : expected;
+        }
+        TEST_ASSERT_EQUAL_UINT32(expected, planner.internal.turns_to_goal);
+        largest = expected > largest ? expected : largest;
+    }
+    TEST_ASSERT_TRUE(largest > 0U);
+}

@@ -1,5 +1,6 @@
 /* The planner's scout. A block in which the planner makes room for one is larger than the RAM of the smallest core:
  * here it gets its states from the test. */
+#include "src/search/planner_head.h"
 #include "src/search/planner_splice.h"
 #include "tests/unit/search/planner_changes.h"
 
@@ -317,4 +318,25 @@ static void test_scout_on_a_changing_map(void)
         plan_on_a_changing_map();
     }
     TEST_ASSERT_TRUE(answers[JP_ANSWER_OPTIMAL] > 20 && answers[JP_ANSWER_WITHIN_BOUND] > 2 && looks_at_states > 20);
+}
+
+/* The first state of the head, or one of its last: then it says which. */
+static void test_where_a_head_is_met(void)
+{
+    static struct jp_planner_head head;
+
+    head = (struct jp_planner_head){.start_id = 7, .first_step = 3, .steps = 6};
+    for (uint32_t i = 0; i < 4U; i++) {
+        head.ids[i] = 20U + i;
+    }
+    head.ids[4] = 24; /* not of it any more */
+    TEST_ASSERT_TRUE(jp_planner_head_has(&head, 7));
+    TEST_ASSERT_EQUAL_UINT32(0, head.junction_step);
+    for (uint32_t i = 0; i < 4U; i++) {
+        TEST_ASSERT_TRUE(jp_planner_head_has(&head, 20U + i));
+        TEST_ASSERT_EQUAL_UINT32(3U + i, head.junction_step);
+    }
+    TEST_ASSERT_FALSE(jp_planner_head_has(&head, 24));
+    TEST_ASSERT_EQUAL_UINT32(0, head.junction_step);
+    TEST_ASSERT_FALSE(jp_planner_head_has(&head, 19));
 }
