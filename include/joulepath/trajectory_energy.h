@@ -40,8 +40,9 @@ void jp_trajectory_modes(const struct jp_trajectory *trajectory, jp_q24 modes[JP
 /**
  * What a leg takes, its travel without what is left of the difference at the start; config and model passed their
  * checks. `modes`: what is left of the difference at the trajectory's start when the leg begins, at first as of
- * jp_trajectory_modes(); it becomes what is left when the leg ends. JP_ERR_OVERFLOW: a member is above 32 767, which is
- * what it then is. JP_ERR_ARGUMENT: a null pointer. Bounded work; not for ISRs.
+ * jp_trajectory_modes(), ±8 m/s; it becomes what is left when the leg ends. JP_ERR_OVERFLOW: a member is above 32 767,
+ * which is what it then is; or a voltage is beyond some 4 096 V, or what is left decays so slowly that it rolls beyond
+ * 128 m: then the energy is 32 767. JP_ERR_ARGUMENT: a null pointer. Bounded work; not for ISRs.
  */
 enum jp_status jp_trajectory_leg_energy(const struct jp_trajectory_config *config, const struct jp_energy_model *model,
                                         const struct jp_back_emf *back_emf, const struct jp_trajectory_leg *leg,

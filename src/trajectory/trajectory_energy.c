@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "src/energy/energy_terms.h"
 #include "src/trajectory/trajectory_blend.h"
 
 #define Q30_ONE ((int32_t)1 << 30)
@@ -11,6 +12,14 @@
 
 /** (2π)², rad²/turn², Q10. */
 #define RADIANS_SQUARED 40426
+
+/** Most that a voltage's square counts, 4 096² V², in Q16 and Q20. */
+#define SQUARE_MAX_Q16 ((int64_t)1 << 40)
+#define SQUARE_MAX_Q20 ((int64_t)1 << 44)
+/** Most that a duration counts, s: it fits far less. */
+#define SECONDS_MAX 65536U
+/** No energy of so many V²·s in Q20 fits, at any resistance. */
+#define INTEGRAL_MAX ((int64_t)1 << 49)
 
 /** A leg's energy in the making. */
 struct sum {
@@ -22,7 +31,30 @@ struct sum {
     int64_t travel;                       /**< m²/s in Q20 */
     int64_t turning;                      /**< turn²/s in Q20 */
     int64_t transient[JP_LEG_TRANSIENTS]; /**< V²·s in Q20 */
+    bool is_cut;                          /**< a part of it was too large to be counted */
 };
+
+static int64_t cut(int64_t value, int64_t limit)
+{
+    if (value > limit) {
+        return limit;
+    }
+    return value < -limit ? -limit : value;
+}
+
+/** The value, of which the sum has room for ±limit. */
+static int64_t part_of(struct sum *sum, int64_t value, int64_t limit)
+{
+    const int64_t part = cut(value, limit);
+
+    sum->is_cut = sum->is_cut || part != value;
+    return part;
+}
+
+static int32_t part32_of(struct sum *sum, int64_t value)
+{
+    return (int32_t)part_of(sum, value, INT32_MAX);
+}
 
 jp_q24 jp_cruise_speed(const struct jp_energy_model *model)
 {
@@ -47,23 +79,25 @@ static void add_modes(const struct sum *sum, uint32_t set_points, int32_t share,
     *volts = jp_add(*volts, jp_round_shift(added, 24));
 }
 
-/** u (u − e·rate), V² in Q32. */
-static int64_t drawn(jp_q16 volts, jp_q16 back_emf, jp_q24 rate)
+/** u less e·rate, V. */
+static jp_q16 kept_of(jp_q16 volts, jp_q16 back_emf, jp_q24 rate)
 {
-    return jp_multiply(volts, jp_sub(volts, jp_multiply_shift(back_emf, rate, 24)));
+    return jp_sub(volts, jp_multiply_shift(back_emf, rate, 24));
 }
 
 /** What the changes of speed and turn rate take of a set-point's voltages, V² in Q16, is added with its weight, Q20. */
-static void add_transient(const struct jp_trajectory_config *config, const struct jp_set_point *at, jp_q24 speed,
-                          int32_t weight, int64_t transient[JP_LEG_TRANSIENTS])
+static void add_transient(struct sum *sum, const struct jp_set_point *at, jp_q24 speed, int32_t weight,
+                          int64_t transient[JP_LEG_TRANSIENTS])
 {
+    const struct jp_trajectory_config *config = sum->config;
     const jp_q16 steady = jp_multiply_shift(config->volts[0], speed, 24);
     const jp_q16 turning = jp_multiply_shift(config->turning[0], at->yaw_rate, 24);
     const jp_q16 changing = jp_sub(at->common, steady);
 
-    transient[0] += (jp_multiply(steady, changing) >> 15) * weight;
-    transient[1] += (jp_multiply(changing, changing) >> 16) * weight;
-    transient[2] += (jp_multiply(turning, jp_sub(at->difference, turning)) >> 15) * weight;
+    transient[0] += part_of(sum, jp_multiply(steady, changing) >> 15, SQUARE_MAX_Q16) * weight;
+    transient[1] += part_of(sum, jp_multiply(changing, changing) >> 16, SQUARE_MAX_Q16) * weight;
+    transient[2] +=
+        part_of(sum, jp_multiply(turning, jp_sub(at->difference, turning)) >> 15, SQUARE_MAX_Q16) * weight;
 }
 
 static void pass(struct sum *sum, uint32_t set_points)
@@ -72,12 +106,18 @@ static void pass(struct sum *sum, uint32_t set_points)
     sum->set_points += set_points;
 }
 
-/** A mean over so many set_points, by their time. */
-static int64_t over_time(const struct sum *sum, int64_t mean, uint32_t set_points)
+/** A mean within ±2⁴⁴ over so many set_points, by their time. */
+static int64_t over_time(struct sum *sum, int64_t mean, uint32_t set_points)
 {
-    const int64_t ticks = (int64_t)set_points * (int64_t)JP_TICKS_PER_SET_POINT;
+    const uint32_t rate = sum->config->tick_rate;
+    const uint32_t ticks = set_points * JP_TICKS_PER_SET_POINT;
+    const uint32_t seconds = ticks / rate;
 
-    return mean * ticks / (int64_t)sum->config->tick_rate;
+    if (seconds >= SECONDS_MAX) {
+        sum->is_cut = true;
+        return mean * (int64_t)SECONDS_MAX;
+    }
+    return mean * (int64_t)seconds + mean * (int64_t)(ticks % rate) / (int64_t)rate;
 }
 
 static void add_blend(struct sum *sum, const struct jp_blend *blend)
@@ -101,12 +141,12 @@ static void add_blend(struct sum *sum, const struct jp_blend *blend)
 
         add_modes(sum, set_points, nodes[k].share, &at.common, &speed);
 
-        const int64_t square = (drawn(at.common, sum->back_emf->travel, speed) +
-                                drawn(at.difference, sum->back_emf->turning, at.yaw_rate)) >>
-                               12;
+        const int64_t square = jp_multiply_accumulate(
+            jp_multiply(at.common, kept_of(at.common, sum->back_emf->travel, speed)), at.difference,
+            kept_of(at.difference, sum->back_emf->turning, at.yaw_rate));
 
-        squares += (square >> 4) * (nodes[k].weight >> 10);
-        add_transient(sum->config, &at, speed, nodes[k].weight >> 10, transient);
+        squares += part_of(sum, square >> 16, SQUARE_MAX_Q16) * (nodes[k].weight >> 10);
+        add_transient(sum, &at, speed, nodes[k].weight >> 10, transient);
         travel += jp_multiply(jp_q24_multiply(steady, steady), nodes[k].weight);            /* Q54 */
         turning += jp_multiply(jp_q24_multiply(at.yaw_rate, at.yaw_rate), nodes[k].weight); /* Q54 */
     }
@@ -120,7 +160,7 @@ static void add_blend(struct sum *sum, const struct jp_blend *blend)
 }
 
 /** ∫ of two modes' product, Q24 (m/s)² by Q16 1/s, with the voltages that they are: V²·s in Q20. */
-static int64_t product_of_modes(const struct sum *sum, const jp_q24 *left, unsigned i, unsigned j)
+static int64_t product_of_modes(struct sum *sum, const jp_q24 *left, unsigned i, unsigned j)
 {
     const struct jp_travel_modes *modes = &sum->config->modes;
     const int64_t gone = (jp_multiply(sum->modes[i], sum->modes[j]) - jp_multiply(left[i], left[j])) >> 16; /* Q32 */
@@ -128,7 +168,7 @@ static int64_t product_of_modes(const struct sum *sum, const jp_q24 *left, unsig
     const jp_q16 kept = jp_sub(modes->volts[j], sum->back_emf->travel);
     const int64_t volts = jp_multiply(modes->volts[i], kept) >> 16; /* Q16 */
 
-    return (gone * 256 / rate * volts) >> 20;
+    return jp_term_scale(volts, part32_of(sum, gone * 256 / rate), 20);
 }
 
 static void add_middle(struct sum *sum, const struct jp_cruise *cruise, jp_q24 speed)
@@ -136,14 +176,14 @@ static void add_middle(struct sum *sum, const struct jp_cruise *cruise, jp_q24 s
     const struct jp_travel_modes *modes = &sum->config->modes;
     const jp_q16 back_emf = sum->back_emf->travel;
     const jp_q16 steady = cruise->common;
-    const jp_q16 kept = jp_sub(steady, jp_multiply_shift(back_emf, speed, 24));
+    const jp_q16 kept = kept_of(steady, back_emf, speed);
     const uint32_t set_points = cruise->set_points;
     jp_q24 left[JP_TRAVEL_MODES];
 
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
         left[i] = jp_mode_after(sum->config, i, sum->modes[i], set_points, Q30_ONE);
     }
-    sum->squares += over_time(sum, jp_multiply(steady, kept) >> 12, set_points);
+    sum->squares += over_time(sum, part_of(sum, jp_multiply(steady, kept) >> 12, SQUARE_MAX_Q20), set_points);
     sum->travel += over_time(sum, jp_multiply(speed, speed) >> 28, set_points);
     for (unsigned i = 0; i < JP_TRAVEL_MODES; i++) {
         const int64_t beside =
@@ -151,7 +191,7 @@ static void add_middle(struct sum *sum, const struct jp_cruise *cruise, jp_q24 s
         const int64_t once = beside >> 16; /* V²·s/m in Q16 */
         const int64_t way = ((int64_t)sum->modes[i] - left[i]) * JP_Q16_ONE / jp_mode_rate(sum->config, i);
 
-        sum->squares += (once * way) >> 20;
+        sum->squares += jp_term_scale(once, part32_of(sum, way), 20);
         for (unsigned j = 0; j < JP_TRAVEL_MODES; j++) {
             sum->squares += product_of_modes(sum, left, i, j);
         }
@@ -180,14 +220,14 @@ static int64_t beyond_voltages(const struct sum *sum, const struct jp_energy_mod
     const jp_q16 by_turns = steady_power(model, sum->config->turning[0], sum->back_emf->turning);
     const jp_q16 turning = jp_divide((int64_t)by_turns * 1024, RADIANS_SQUARED);
 
-    return (jp_multiply(jp_sub(model->b[0], travel), leg->travel) +
-            jp_multiply(jp_sub(model->b[1], turning), leg->turning)) >>
+    return jp_multiply_accumulate(jp_multiply(jp_sub(model->b[0], travel), leg->travel),
+                                  jp_sub(model->b[1], turning), leg->turning) >>
            16;
 }
 
-static bool finish(const struct sum *sum, const struct jp_energy_model *model, struct jp_leg_energy *result)
+static bool finish(struct sum *sum, const struct jp_energy_model *model, struct jp_leg_energy *result)
 {
-    const int64_t motors = sum->squares * 8192 / model->motor_resistance; /* J in Q16 */
+    const int64_t motors = part_of(sum, sum->squares, INTEGRAL_MAX) * 8192 / model->motor_resistance; /* J in Q16 */
     const int64_t electronics = over_time(sum, model->electronics_power, sum->set_points);
     const int64_t duration = over_time(sum, JP_Q16_ONE, sum->set_points);
     const bool travel_fits = narrow(sum->travel >> 4, &result->travel);
@@ -196,11 +236,13 @@ static bool finish(const struct sum *sum, const struct jp_energy_model *model, s
     bool transients_fit = true;
 
     for (unsigned i = 0; i < JP_LEG_TRANSIENTS; i++) {
-        transients_fit =
-            narrow((sum->transient[i] * 8192) / model->motor_resistance, &result->transient[i]) && transients_fit;
+        const int64_t transient = cut(sum->transient[i], INTEGRAL_MAX) * 8192 / model->motor_resistance;
+
+        transients_fit = narrow(transient, &result->transient[i]) && transients_fit;
     }
 
-    const bool energy_fits = narrow(motors + electronics + beyond_voltages(sum, model, result), &result->energy);
+    const int64_t energy = motors + electronics + beyond_voltages(sum, model, result);
+    const bool energy_fits = narrow(sum->is_cut ? INT64_MAX : energy, &result->energy);
 
     return transients_fit && energy_fits && duration_fits && travel_fits && turning_fits;
 }

@@ -154,11 +154,11 @@ def test_each_public_function_is_listed_and_no_more_are_without_a_driver():
     reached, missing = proof_functions.read_functions()
     public = proof_functions.public_functions(LIBRARIES)
     assert public.keys() == reached | missing and not reached & missing
-    assert len(missing) <= 16
+    assert len(missing) <= 9
 
 
 def test_what_the_project_lists_is_explained_and_does_not_grow():
     """`make prove` is no part of `make test`; who adds an alarm raises this number, and says why."""
     listed = prove.read_listed(prove.ALARMS).values()
     assert all(entry.explained for entry in listed)
-    assert sum(entry.count for entry in listed) <= 1272
+    assert sum(entry.count for entry in listed) <= 1297

@@ -376,9 +376,53 @@ static void test_transients_overflow(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, leg.transient[0]);
 }
 
+/* Tables that pass their checks, and legs in their ranges, of voltages and times that no robot has. */
+static void test_what_leaves_64_bits(void)
+{
+    const char *field;
+    struct jp_leg_energy leg;
+
+    for (unsigned i = 0; i < 4U; i++) {
+        jp_q24 modes[JP_TRAVEL_MODES] = {-JP_Q24(8), -JP_Q24(8), -JP_Q24(8)};
+
+        setUp();
+        config.volts[0] = config.turning[0] = JP_Q16(4096);
+        config.turning[1] = -JP_Q16(4096);
+        config.modes.volts[0] = config.modes.volts[1] = config.modes.volts[2] = JP_Q16(4096);
+        config.modes.decay[i % JP_TRAVEL_MODES] = 1;
+        model.motor_resistance = i < 2U ? INT32_MAX : 1;
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_check(&config, &field));
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_energy_model_check(&model, &field));
+        trajectory.start = (struct jp_waypoint_motion){.turn_rate = JP_Q24(8), .speed = JP_Q24(8)};
+        legs[0].speed = JP_Q24(8);
+        legs[0].begin.set_points = i == 0U ? 1U : 1U << 24;
+        legs[0].middle.set_points = i == 0U ? 1U : 1U << 30;
+        shape();
+        legs[0].speed = i == 3U ? INT32_MIN : JP_Q24(8);
+        TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW,
+                              jp_trajectory_leg_energy(&config, &model, &of_voltages, &legs[0], modes, &leg));
+        TEST_ASSERT_EQUAL_INT32(INT32_MAX, leg.energy);
+    }
+}
+
+/* Motors that brake with more than what is counted: no energy is told, rather than one that is too high. */
+static void test_braking_beyond_64_bits(void)
+{
+    const struct jp_back_emf back_emf = {JP_Q16(4096), JP_Q16(4096)};
+    jp_q24 modes[JP_TRAVEL_MODES] = {0};
+    struct jp_leg_energy leg;
+
+    config.volts[0] = JP_Q16(2048);
+    trajectory.start.speed = legs[0].speed = legs[0].next.speed = JP_Q24(8);
+    shape();
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW,
+                          jp_trajectory_leg_energy(&config, &model, &back_emf, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, leg.energy);
+}
+
 static void test_overflow(void)
 {
-    legs[0].middle.set_points = UINT32_MAX / 2U;
+    legs[0].middle.set_points = 1U << 30;
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, forecast());
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, energy);
     legs[0].middle.set_points = 2100000; /* 32 250 J */

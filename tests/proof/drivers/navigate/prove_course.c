@@ -2,7 +2,7 @@
 // eva: -eva-slevel-function main:200,any_terrain:30,jp_terrain_init:30,is_side:10,jp_course_init:50
 // eva: -eva-slevel-function jp_capsule_is_clear:50,find_line:50,find_place:50,is_along:20
 /** Any map, any disc and margin that pass, legs whose members are any within their ranges, any points: whether they are
- *  clear, and how much room there is. How a course is found has no driver. */
+ *  clear, and how much room there is. */
 #include <joulepath/course.h>
 
 #include "tests/proof/any_terrain.h"

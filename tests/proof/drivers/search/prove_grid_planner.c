@@ -1,7 +1,7 @@
 // eva: -eva-precision 0 -eva-auto-loop-unroll 16
 // eva: -eva-slevel-function main:20,any_terrain:30,jp_terrain_init:30,is_side:10,jp_grid_planner_init:20,begin:20
 /** Any map and configuration that pass, with prices or without, a block of any size: any starts and goals, any cells
- * that change, any lines on the map and beside it. The slices of work have no driver, nor what a found path costs. */
+ * that change, any lines on the map and beside it. The slices of work have no driver. */
 #include <joulepath/grid_planner.h>
 
 #include "tests/proof/any_terrain.h"
