@@ -495,6 +495,20 @@ static void test_leans_by_the_next_piece_at_most(void)
     expect_lean(0.02 + YIELDING * 0.2 / 0.25 * 0.1, &aside);
 }
 
+/* Also where a longer one follows it, or is before it. */
+static void test_leans_by_a_short_piece_between_longer_ones(void)
+{
+    add_line(1);
+    add(JP_PIECE_CURVE, 0.1, 1, 0);
+    add(JP_PIECE_CURVE, 0.15, -1, 0);
+    add_line(1);
+    begin();
+    drive_to(0, 0.95);
+    expect_lean(0.02 + YIELDING * 0.2 / 0.25 * 0.1, &aside);
+    drive_to(3, 0.05);
+    expect_lean(0.02 + YIELDING * 0.2 / 0.25 * 0.15, &aside);
+}
+
 static void test_turn_on_the_spot_is_none_to_lean_by(void)
 {
     add_line(1);
