@@ -358,3 +358,28 @@ static void test_path_in_the_frame_of_a_place(void)
     TEST_ASSERT_INT32_WITHIN(4, JP_Q16(1), moved.end.position.y);
     TEST_ASSERT_EQUAL_UINT32(JP_ANGLE_DEGREES(180), moved.end.heading);
 }
+
+/* To the left and to the right: each turns as far as its headings differ, and ends in its cell. */
+static void test_every_primitive_is_a_piece(void)
+{
+    for (unsigned start = 0; start < JP_HEADINGS; start++) {
+        for (unsigned i = lattice->first_from[start]; i < lattice->first_from[start + 1U]; i++) {
+            const struct jp_primitive *primitive = &lattice->primitives[i];
+            const struct jp_lattice_pose from = {8, 4, (uint8_t)start};
+            const struct jp_path_piece *piece = &pieces[0];
+
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_lattice_path_start(&path, pieces, PLACES));
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_lattice_path_add(&path, lattice, &terrain, &from, primitive));
+            const jp_q24 turned = piece->kind == JP_PIECE_CURVE       ? jp_piece_turned(piece, piece->length)
+                                  : piece->kind == JP_PIECE_TURN_LEFT ? piece->length
+                                                                      : -piece->length;
+
+            TEST_ASSERT_EQUAL_UINT(1, path.count);
+            TEST_ASSERT_EQUAL_UINT(primitive->move_count == 0U, piece->kind != JP_PIECE_CURVE);
+            TEST_ASSERT_INT32_WITHIN(JP_Q24(0.0005),
+                                     jp_angle_to_radians(lattice->heading[primitive->end] - lattice->heading[start]),
+                                     turned);
+            expect_point(8 + primitive->dx, 4 + primitive->dy, path.end.position);
+        }
+    }
+}

@@ -369,3 +369,15 @@ static void test_the_slowest_speed(void)
     plan();
     TEST_ASSERT_INT32_WITHIN(1, JP_Q24(0.001), line->speed.cruise);
 }
+
+/* Where the robot stands, no curvature jumps, whatever a turn's piece says of it. */
+static void test_a_turn_has_no_curvature_that_jumps(void)
+{
+    (void)add(JP_PIECE_TURN_LEFT, 1, 50, 0);
+    (void)add(JP_PIECE_CURVE, 2, 0, 0);
+    (void)add(JP_PIECE_CURVE, 2, 0.001, 0);
+    (void)add(JP_PIECE_TURN_RIGHT, 1, 50, 0);
+    plan();
+    expect_speed(0.5, pieces[1].speed.acceleration);
+    expect_speed(0.5, pieces[2].speed.acceleration);
+}
