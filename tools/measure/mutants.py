@@ -170,7 +170,7 @@ class Judge:
         """A library of the mutated file, or None."""
         library = overlay / "mutant.so"
         sources = [overlay / file if unit == file else ROOT / unit for unit in self.units[file]]
-        return library if self.compiler(overlay, "-O0", "-fPIC", "-shared", *flags, *sources, "-o", library) else None
+        return library if self.compiler(overlay, "-O0", "-fPIC", "-shared", *flags, *sources, "-lm", "-o", library) else None
 
     def judge(self, mutant, source, known):
         """(verdict, killer or digests of the tests that did not notice)."""

@@ -162,6 +162,77 @@ static void test_the_ground_rises_with_a_piece(void)
     TEST_ASSERT_EQUAL_INT32(5 * (JP_Q16_ONE / JP_ELEVATION_ONE), pieces[0].rise);
 }
 
+/* By the difference alone, not by how high it lies. */
+static void test_high_ground_that_is_level_does_not_rise(void)
+{
+    struct jp_lattice_pose pose = west;
+
+    raise_from(0, 10);
+    TEST_ASSERT_EQUAL_INT(JP_OK, add(&pose, 1, 0, 0));
+    TEST_ASSERT_EQUAL_INT32(0, pieces[0].rise);
+    raise_from(west.x + 2, -3);
+    TEST_ASSERT_EQUAL_INT(JP_OK, add(&pose, 1, 0, 0));
+    TEST_ASSERT_EQUAL_INT32(-3 * (JP_Q16_ONE / JP_ELEVATION_ONE), pieces[path.count - 1U].rise);
+}
+
+/* The level map with classes of ground. */
+static void classify(void)
+{
+    map.has_classes = true;
+    make_level_map(&map);
+}
+
+static void lay(int32_t low_x, int32_t high_x, int32_t low_y, int32_t high_y, uint8_t ground)
+{
+    for (int32_t y = low_y; y <= high_y; y++) {
+        for (int32_t x = low_x; x <= high_x; x++) {
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_class(&terrain, x, y, ground));
+        }
+    }
+}
+
+static void expect_ground(unsigned left, unsigned right)
+{
+    TEST_ASSERT_EQUAL_UINT8(left, pieces[path.count - 1U].ground_left);
+    TEST_ASSERT_EQUAL_UINT8(right, pieces[path.count - 1U].ground_right);
+}
+
+static void test_the_ground_beside_a_line_is_that_of_its_sides(void)
+{
+    struct jp_lattice wide = *lattice;
+
+    wide.sides[0] = (struct jp_cell_offset){0, 2};
+    classify();
+    lay(0, map.width - 1, west.y + 2, west.y + 2, 1);
+    lay(0, map.width - 1, west.y - 2, west.y - 2, 2);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_lattice_path_add(&path, &wide, &terrain, &west, primitive_to(1, 0, 0, 0)));
+    expect_ground(1, 2);
+}
+
+/* Of curves that lead to all four sides, the row or column halfway. */
+static void test_the_ground_beside_a_curve_is_that_halfway(void)
+{
+    static const int8_t ways[][2] = {{3, 1}, {-1, 3}, {-3, -1}, {1, -3}};
+
+    for (unsigned quarter = 0; quarter < 4U; quarter++) {
+        const int dx = ways[quarter][0];
+        const int dy = ways[quarter][1];
+        struct jp_lattice_pose pose = {8, 4, (uint8_t)(4U * quarter)};
+        const int x = pose.x + dx / 2;
+        const int y = pose.y + dy / 2;
+
+        setUp();
+        classify();
+        if (dx / 2 != 0) {
+            lay(x, x, 0, map.height - 1, 3);
+        } else {
+            lay(0, map.width - 1, y, y, 3);
+        }
+        TEST_ASSERT_EQUAL_INT(JP_OK, add(&pose, dx, dy, 4U * quarter + 1U));
+        expect_ground(3, 3);
+    }
+}
+
 static void test_a_steeper_part_is_a_piece_of_its_own(void)
 {
     struct jp_lattice_pose pose = west;
@@ -286,4 +357,29 @@ static void test_path_in_the_frame_of_a_place(void)
     TEST_ASSERT_INT32_WITHIN(4, JP_Q16(3), moved.end.position.x);
     TEST_ASSERT_INT32_WITHIN(4, JP_Q16(1), moved.end.position.y);
     TEST_ASSERT_EQUAL_UINT32(JP_ANGLE_DEGREES(180), moved.end.heading);
+}
+
+/* To the left and to the right: each turns as far as its headings differ, and ends in its cell. */
+static void test_every_primitive_is_a_piece(void)
+{
+    for (unsigned start = 0; start < JP_HEADINGS; start++) {
+        for (unsigned i = lattice->first_from[start]; i < lattice->first_from[start + 1U]; i++) {
+            const struct jp_primitive *primitive = &lattice->primitives[i];
+            const struct jp_lattice_pose from = {8, 4, (uint8_t)start};
+            const struct jp_path_piece *piece = &pieces[0];
+
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_lattice_path_start(&path, pieces, PLACES));
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_lattice_path_add(&path, lattice, &terrain, &from, primitive));
+            const jp_q24 turned = piece->kind == JP_PIECE_CURVE       ? jp_piece_turned(piece, piece->length)
+                                  : piece->kind == JP_PIECE_TURN_LEFT ? piece->length
+                                                                      : -piece->length;
+
+            TEST_ASSERT_EQUAL_UINT(1, path.count);
+            TEST_ASSERT_EQUAL_UINT(primitive->move_count == 0U, piece->kind != JP_PIECE_CURVE);
+            TEST_ASSERT_INT32_WITHIN(JP_Q24(0.0005),
+                                     jp_angle_to_radians(lattice->heading[primitive->end] - lattice->heading[start]),
+                                     turned);
+            expect_point(8 + primitive->dx, 4 + primitive->dy, path.end.position);
+        }
+    }
 }

@@ -495,6 +495,37 @@ static void test_leans_by_the_next_piece_at_most(void)
     expect_lean(0.02 + YIELDING * 0.2 / 0.25 * 0.1, &aside);
 }
 
+/* Also where a longer one follows it, or is before it. */
+static void test_leans_by_a_short_piece_between_longer_ones(void)
+{
+    add_line(1);
+    add(JP_PIECE_CURVE, 0.1, 1, 0);
+    add(JP_PIECE_CURVE, 0.15, -1, 0);
+    add_line(1);
+    begin();
+    drive_to(0, 0.95);
+    expect_lean(0.02 + YIELDING * 0.2 / 0.25 * 0.1, &aside);
+    drive_to(3, 0.05);
+    expect_lean(0.02 + YIELDING * 0.2 / 0.25 * 0.15, &aside);
+}
+
+/* What lies in memory behind the path is none of it. */
+static void test_leans_by_nothing_beyond_the_path(void)
+{
+    add_line(1);
+    add(JP_PIECE_CURVE, 0.1, 1, 0);
+    begin();
+    drive_to(1, 0.05);
+    look_ahead(&aside);
+    const jp_q24 lean = drive.internal.lean;
+
+    for (unsigned i = 2; i < (unsigned)PLACES; i++) {
+        pieces[i] = (struct jp_path_piece){.kind = JP_PIECE_CURVE, .length = JP_Q24(1), .bend = JP_Q24(3)};
+    }
+    look_ahead(&aside);
+    TEST_ASSERT_EQUAL_INT32(lean, drive.internal.lean);
+}
+
 static void test_turn_on_the_spot_is_none_to_lean_by(void)
 {
     add_line(1);

@@ -340,3 +340,44 @@ static void test_time_beyond_the_format(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_path_plan_speeds(&path, &config, &price, &cost));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, cost.duration);
 }
+
+/* From a line onto an arc, fast to slow, in motion: what gains of speed take, less what losses give back. */
+static void test_changes_of_the_speed_where_pieces_meet(void)
+{
+    const struct jp_path_piece *line = add(JP_PIECE_CURVE, 5, 0, 0);
+    const struct jp_path_piece *arc = add(JP_PIECE_CURVE, 5, 4, 0);
+
+    price.gain = JP_Q16(9);
+    price.recovery = JP_Q16(4);
+    plan();
+    const double first = line->speed.cruise * 0x1p-24;
+    const double meeting = line->speed.end * 0x1p-24;
+    const double second = arc->speed.cruise * 0x1p-24;
+    const double gained = first * first + second * second - meeting * meeting;
+
+    TEST_ASSERT_TRUE(0.2 < meeting && meeting < 0.8 * first);
+    TEST_ASSERT_INT32_WITHIN(JP_Q16(0.002), JP_Q16((9 - 4) * gained), cost.energy - cost.duration);
+}
+
+/* What nothing but its speed costs is driven slowly, but driven. */
+static void test_the_slowest_speed(void)
+{
+    const struct jp_path_piece *line = add(JP_PIECE_CURVE, 0.1, 0, 0);
+
+    model = (struct model){.quadratic = JP_Q16(8000)};
+    config.speed = JP_Q24(0.004);
+    plan();
+    TEST_ASSERT_INT32_WITHIN(1, JP_Q24(0.001), line->speed.cruise);
+}
+
+/* Where the robot stands, no curvature jumps, whatever a turn's piece says of it. */
+static void test_a_turn_has_no_curvature_that_jumps(void)
+{
+    (void)add(JP_PIECE_TURN_LEFT, 1, 50, 0);
+    (void)add(JP_PIECE_CURVE, 2, 0, 0);
+    (void)add(JP_PIECE_CURVE, 2, 0.001, 0);
+    (void)add(JP_PIECE_TURN_RIGHT, 1, 50, 0);
+    plan();
+    expect_speed(0.5, pieces[1].speed.acceleration);
+    expect_speed(0.5, pieces[2].speed.acceleration);
+}

@@ -326,3 +326,29 @@ static void test_scratch_is_full(void)
     expect_free(way, 3);
     TEST_ASSERT_TRUE(count < ample_count);
 }
+
+/* Three pieces: none has a point more than it needs. */
+static void test_no_more_points_than_the_spacing_asks_for(void)
+{
+    static const struct jp_point way[] = {POINT(0.5, 1), POINT(3.5, 1)};
+
+    smooth_all(way, 2);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(30 + 3 + 1, (uint32_t)count);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(30 + 1, (uint32_t)count);
+}
+
+/* The curve out of the turn hits the wall, so that its chord, a third of the way up, gets a knot in its middle. */
+static void test_a_piece_that_is_not_free_gets_a_knot_in_its_middle(void)
+{
+    static const struct jp_point way[] = {POINT(0.5, 1.125), POINT(2.2, 1.125), POINT(2.2, 3.5)};
+    const jp_q16 middle = way[1].y + (way[2].y - way[1].y) / 6;
+    bool is_passed = false;
+
+    put_column(9, 0, 15, JP_CELL_OCCUPIED);
+    smooth_all(way, 3);
+    for (size_t i = 0; i < count; i++) {
+        const int32_t off = smooth[i].y - middle;
+        is_passed = is_passed || (smooth[i].x == way[1].x && off >= -2 && off <= 2);
+    }
+    TEST_ASSERT_TRUE(is_passed);
+}

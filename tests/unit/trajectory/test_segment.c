@@ -476,3 +476,16 @@ static void test_both_ways_round_are_looked_at(void)
         TEST_ASSERT_INT32_WITHIN(left.energy / 500, left.energy, right.energy);
     }
 }
+
+/* Limits that leave a near target one duration pass their check, and it is taken. */
+static void test_the_longest_duration_may_be_the_shortest(void)
+{
+    struct jp_segment segment;
+    const char *field = "none";
+
+    limits.duration = model.settling_time;
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_segment_limits_check(&limits, &model, &field));
+    TEST_ASSERT_EQUAL_INT32(JP_OK, optimise(JP_Q16(0.1), 0, &segment));
+    TEST_ASSERT_EQUAL_INT32(model.settling_time, segment.command.duration);
+    TEST_ASSERT_INT32_WITHIN(JP_SEGMENT_LENGTH_MIN, JP_Q16(0.1), segment.length);
+}

@@ -259,8 +259,8 @@ static void test_changes_of_speed_are_those_of_the_energy(void)
             TEST_ASSERT_EQUAL_INT(JP_OK, jp_trajectory_leg_energy(&config, model, &back_emf, &legs[k], modes, &energy));
             costs += cost.cost;
             energies += (float)energy.energy * 0x1p-16f;
+            TEST_ASSERT_NEAR(0.02f, energies, costs); /* but for whole set-points */
         }
-        TEST_ASSERT_NEAR(0.02f, energies, costs); /* but for whole set-points */
     }
 }
 
@@ -327,5 +327,50 @@ static void test_a_start_takes_what_its_modes_do(void)
 
             TEST_ASSERT_NEAR(0.02f, expected, cost);
         }
+    }
+}
+
+/* ∫ φ̇² dt or ∫ φ̈² dt of the cubic that turns so far in a blend, from a turn rate to another. */
+static float turning_in_steps(bool is_bend, float turn, float from, float to, float duration)
+{
+    enum { STEPS = 400 };
+    float sum = 0.0f;
+
+    for (int i = 0; i < STEPS; i++) {
+        const float u = ((float)i + 0.5f) / STEPS;
+        const float rate = turn * 6.0f * u * (1.0f - u) + duration * (from * (1.0f - u) * (1.0f - 3.0f * u)) +
+                           duration * to * u * (3.0f * u - 2.0f);
+        const float bend = turn * (6.0f - 12.0f * u) + duration * (from * (6.0f * u - 4.0f) + to * (6.0f * u - 2.0f));
+        const float value = is_bend ? bend / duration : rate;
+
+        sum += value * value / (duration * STEPS);
+    }
+    return sum;
+}
+
+/* By the turn rate alone, and by what changes it alone, of blends that are not alike. */
+static void test_a_turn_takes_what_its_cubics_do(void)
+{
+    for (int i = 0; i < 8; i++) {
+        const bool is_bend = i % 2 == 1;
+        const float side = i < 4 ? 1.0f : -1.0f;
+        struct jp_leg_cost cost;
+
+        rates = (struct jp_cost_rates){.turn = is_bend ? 0.0f : 1.0f, .bend = is_bend ? 1.0f : 0.0f};
+        leg = (struct jp_cost_leg){
+            .length = 4.0f,
+            .speed = 0.5f,
+            .begin = {.heading = side * 0.4f, .turn_rate = -side * 0.3f, .speed = 0.5f, .duration = 1.2f},
+            .end = {.heading = side * 0.3f,
+                    .turn_rate = side * (i % 4 < 2 ? 0.5f : 0.0f),
+                    .speed = 0.5f,
+                    .duration = 0.9f}};
+        middle = 0.0f;
+        TEST_ASSERT_TRUE(jp_leg_cost(&rates, &leg, &middle, &cost));
+
+        const float begin = turning_in_steps(is_bend, middle - leg.begin.heading, leg.begin.turn_rate, 0.0f, 1.2f);
+        const float end = turning_in_steps(is_bend, leg.end.heading - middle, 0.0f, leg.end.turn_rate, 0.9f);
+
+        TEST_ASSERT_NEAR(0.001f * (begin + end), begin + end, cost.cost);
     }
 }

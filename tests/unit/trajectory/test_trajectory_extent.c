@@ -1,4 +1,5 @@
 /* How far a leg leaves its line: what is said, against where the set-points lead. */
+#include "src/trajectory/trajectory_blend.h"
 #include "tests/support/rule_rig.h"
 #include "tests/target/random.h"
 
@@ -298,4 +299,20 @@ static void test_a_leg_for_hours(void)
     task.cruise = JP_Q24(0.01);
     TEST_ASSERT_EQUAL_INT(JP_OK, plan());
     TEST_ASSERT_LESS_THAN_INT32(MM(10), said_aside(0));
+}
+
+/* Nothing is nearer to the chord than it is said to be: what is rolled straight away from it, in 2⁻²⁰ m. */
+static void test_what_is_aside_is_rounded_up(void)
+{
+    const struct jp_trajectory_config *of = &jp_robot_courier24.trajectory;
+
+    for (int32_t i = 0; i < 32; i++) {
+        const struct jp_trajectory_leg leg = {.heading = JP_ANGLE_DEGREES(90),
+                                              .middle = {.set_points = 100, .wheel_rate = JP_Q24(0.1) + 37 * i}};
+        const int64_t rolled = (int64_t)leg.middle.wheel_rate * jp_seconds(of, 100, 20) / of->turns_per_metre;
+        const struct jp_leg_extent extent = jp_trajectory_leg_extent(of, &leg, leg.heading);
+
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32((int32_t)rolled - 1, 16 * extent.aside);
+        TEST_ASSERT_LESS_THAN_INT32((int32_t)rolled + 16, 16 * extent.aside);
+    }
 }
