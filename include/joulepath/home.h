@@ -24,7 +24,8 @@
  * mean, and a trip that has not begun is taken to meet the same on its way out and home. The robot goes on as long as
  * that is at least `confidence` where it is, however far the goal may be, so that what it learns on its way counts. At
  * home it needs nothing, and after its first metre it must turn round: it leaves only if what is left also suffices
- * for ten steps towards its goal and home again from there, where it looks away from home. A change of the map that
+ * for ten steps and home again from there, where it looks away from home: towards its goal, or in the direction that is
+ * nearest to that and has a way. A change of the map that
  * blocks the way home makes the field grow anew; until it has, the way home is the last one and what was spent since.
  *
  * Integers only: the same bits on every core. Nothing here is for ISRs.
@@ -130,6 +131,7 @@ struct jp_home_internal {
     struct jp_forecast outside; /**< what the way home from there takes; nothing where none is known */
     bool is_goal_known;         /**< what the way home from there takes, or that none is known; */
     bool is_outside_known;      /**< from there */
+    uint8_t outside_tries;      /**< directions that were tried from where the robot is */
     bool is_stuck;              /**< no course leads along the field from where the robot is */
 };
 

@@ -13,6 +13,10 @@
 /** Steps on level ground; a way of more tells what others take. */
 #define PRICE_STEPS 10
 
+/** Directions in which it may leave. */
+#define OUTSIDE_TRIES 8U
+#define EIGHTH_TURN   ((jp_angle)1 << 29)
+
 static const struct jp_forecast nothing = {0, 0};
 
 static const struct jp_terrain *terrain_of(const struct jp_home *home)
@@ -121,19 +125,26 @@ static struct jp_point goal_point(const struct jp_home *home)
     return (struct jp_point){goal->x * cell + cell / 2, goal->y * cell + cell / 2};
 }
 
-/** Ten steps from where it is towards its goal, or there. */
+/** Eighths of a turn to the left: first towards the goal, then ever farther from there. */
+static jp_angle outside_turn(unsigned tries)
+{
+    const jp_angle turn = ((jp_angle)tries + 1U) / 2U * EIGHTH_TURN;
+
+    return tries % 2U == 0U ? turn : 0U - turn;
+}
+
+/** Ten steps from where it is, or as far as its goal. */
 static struct jp_point outside_point(const struct jp_home *home)
 {
     const struct jp_point from = jp_navigator_place(home->config.navigator).point;
     const struct jp_point goal = goal_point(home);
-    const jp_q16 steps = PRICE_STEPS * terrain_of(home)->config.resolution;
+    const jp_angle direction = jp_frame_direction(&from, &goal) + outside_turn(home->internal.outside_tries);
     const jp_q16 way = jp_distance(&from, &goal);
+    const jp_q16 steps = PRICE_STEPS * terrain_of(home)->config.resolution;
+    const jp_q16 out = way < steps ? way : steps;
 
-    if (way <= steps) {
-        return goal;
-    }
-    return (struct jp_point){jp_add(from.x, jp_divide((int64_t)jp_sub(goal.x, from.x) * steps, way)),
-                             jp_add(from.y, jp_divide((int64_t)jp_sub(goal.y, from.y) * steps, way))};
+    return (struct jp_point){jp_add(from.x, jp_multiply_shift(out, jp_cos(direction), 31)),
+                             jp_add(from.y, jp_multiply_shift(out, jp_sin(direction), 31))};
 }
 
 /** There, looking away from home. */
@@ -180,14 +191,25 @@ static void begin_course(struct jp_home *home)
     (void)jp_course_start_on_field(&survey->internal.course, &home->internal.field, &pose, &place.point);
 }
 
-/** What has no course home: a goal is left to the planner, and nobody knows what is needed outside; and where the map
- * has changed the field may be wrong. */
+/** From there no course leads home. */
+static void try_another_way_out(struct jp_home_internal *internal)
+{
+    internal->outside_tries++;
+    internal->is_outside_known = internal->outside_tries == OUTSIDE_TRIES;
+}
+
+/** What has no course home: a goal is left to the planner; where the map has changed the field may be wrong. */
 static void end_join(struct jp_home *home, bool is_stuck)
 {
     struct jp_home_internal *internal = &home->internal;
 
-    internal->is_goal_known = internal->is_goal_known || (internal->start == JP_HOME_FROM_GOAL && is_stuck);
-    internal->is_outside_known = internal->is_outside_known || (internal->start == JP_HOME_FROM_OUTSIDE && is_stuck);
+    if (is_stuck && internal->start == JP_HOME_FROM_GOAL) {
+        internal->is_goal_known = true;
+    } else if (is_stuck && internal->start == JP_HOME_FROM_OUTSIDE) {
+        try_another_way_out(internal);
+    } else {
+        /* It has one, or there is none. */
+    }
     internal->is_stuck = internal->start == JP_HOME_FROM_ROBOT && is_stuck;
     if (is_stuck && jp_pose_field_is_outdated(&internal->field)) {
         internal->is_stuck = false;
@@ -550,6 +572,7 @@ enum jp_status jp_home_go(struct jp_home *home, const struct jp_goal *goal)
     home->internal.goal = *goal;
     home->internal.is_goal_known = false;
     home->internal.is_outside_known = false;
+    home->internal.outside_tries = 0;
     home->internal.outside = nothing;
     home->has_turned_back = false;
     home->status = JP_OK;

@@ -96,8 +96,7 @@ static void add_transient(struct sum *sum, const struct jp_set_point *at, jp_q24
 
     transient[0] += part_of(sum, jp_multiply(steady, changing) >> 15, SQUARE_MAX_Q16) * weight;
     transient[1] += part_of(sum, jp_multiply(changing, changing) >> 16, SQUARE_MAX_Q16) * weight;
-    transient[2] +=
-        part_of(sum, jp_multiply(turning, jp_sub(at->difference, turning)) >> 15, SQUARE_MAX_Q16) * weight;
+    transient[2] += part_of(sum, jp_multiply(turning, jp_sub(at->difference, turning)) >> 15, SQUARE_MAX_Q16) * weight;
 }
 
 static void pass(struct sum *sum, uint32_t set_points)
@@ -141,9 +140,9 @@ static void add_blend(struct sum *sum, const struct jp_blend *blend)
 
         add_modes(sum, set_points, nodes[k].share, &at.common, &speed);
 
-        const int64_t square = jp_multiply_accumulate(
-            jp_multiply(at.common, kept_of(at.common, sum->back_emf->travel, speed)), at.difference,
-            kept_of(at.difference, sum->back_emf->turning, at.yaw_rate));
+        const int64_t square =
+            jp_multiply_accumulate(jp_multiply(at.common, kept_of(at.common, sum->back_emf->travel, speed)),
+                                   at.difference, kept_of(at.difference, sum->back_emf->turning, at.yaw_rate));
 
         squares += part_of(sum, square >> 16, SQUARE_MAX_Q16) * (nodes[k].weight >> 10);
         add_transient(sum, &at, speed, nodes[k].weight >> 10, transient);
@@ -220,8 +219,8 @@ static int64_t beyond_voltages(const struct sum *sum, const struct jp_energy_mod
     const jp_q16 by_turns = steady_power(model, sum->config->turning[0], sum->back_emf->turning);
     const jp_q16 turning = jp_divide((int64_t)by_turns * 1024, RADIANS_SQUARED);
 
-    return jp_multiply_accumulate(jp_multiply(jp_sub(model->b[0], travel), leg->travel),
-                                  jp_sub(model->b[1], turning), leg->turning) >>
+    return jp_multiply_accumulate(jp_multiply(jp_sub(model->b[0], travel), leg->travel), jp_sub(model->b[1], turning),
+                                  leg->turning) >>
            16;
 }
 

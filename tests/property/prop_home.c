@@ -191,6 +191,19 @@ static void test_leaves_for_a_near_goal_with_what_the_way_there_and_back_takes(v
     TEST_ASSERT_TRUE(home.has_turned_back);
 }
 
+/* It leaves round what stands before its goal, and needs as much. */
+static void test_does_not_leave_with_too_little_where_the_direct_way_is_blocked(void)
+{
+    init_home();
+    put_column(14, 0, 16, JP_CELL_OCCUPIED);
+    battery.energy = JP_Q16(0.5);
+    battery.deviation = 1;
+    go_out(19, 4);
+    TEST_ASSERT_TRUE(work_home_until(JP_HOME_HOME));
+    TEST_ASSERT_TRUE(home.has_turned_back);
+    TEST_ASSERT_TRUE(home.internal.outside_tries > 0U);
+}
+
 /* ---- What is refused ---- */
 
 static void test_refuses_configurations(void)
@@ -777,7 +790,7 @@ static void test_comes_home_on_any_map(void)
         setUp();
         begin_random(options.seed, i);
         make_random_map();
-        battery.energy = JP_Q16(2) + (jp_q16)below((uint32_t)JP_Q16(20));
+        battery.energy = JP_Q16(2) + (jp_q16)below((uint32_t)JP_Q16(40)); /* ten steps are half of the map */
         battery.deviation = (jp_q16)below((uint32_t)JP_Q16(0.5));
         battery.a_call = (jp_q16)below((uint32_t)JP_Q16(0.06));
         init_home();

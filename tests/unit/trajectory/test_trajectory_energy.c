@@ -415,8 +415,7 @@ static void test_braking_beyond_64_bits(void)
     config.volts[0] = JP_Q16(2048);
     trajectory.start.speed = legs[0].speed = legs[0].next.speed = JP_Q24(8);
     shape();
-    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW,
-                          jp_trajectory_leg_energy(&config, &model, &back_emf, &legs[0], modes, &leg));
+    TEST_ASSERT_EQUAL_INT(JP_ERR_OVERFLOW, jp_trajectory_leg_energy(&config, &model, &back_emf, &legs[0], modes, &leg));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, leg.energy);
 }
 
