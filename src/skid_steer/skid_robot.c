@@ -559,6 +559,7 @@ enum jp_status jp_skid_robot_enable(struct jp_skid_robot *robot)
 
 void jp_skid_robot_disable(struct jp_skid_robot *robot)
 {
+    jp_post(&robot->internal.next_full, 0);
     jp_post(&robot->internal.enable_requested, 0);
     jp_post(&robot->internal.disable_requested, 1);
 }

@@ -171,6 +171,12 @@ def test_a_test_that_fails_anyhow_is_an_error(project):
     assert_one_line_error(run_mutants(project, names=["test_sum"]), "fails without a mutant")
 
 
+def test_a_file_that_fails_unchanged_when_it_is_loaded_is_an_error(project):
+    path = project / "src/room/a.c"
+    path.write_text(SOURCE.replace("STEP 2", "STEP 3"), encoding="utf-8")
+    assert_one_line_error(run_mutants(project), "fails with src/room/a.c as it is loaded")
+
+
 def test_a_room_that_is_none_is_an_error(project):
     assert_one_line_error(run_mutants(project, "--room", "attic"), "attic: no room")
 

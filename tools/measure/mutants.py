@@ -170,13 +170,27 @@ class Judge:
         """A library of the mutated file, or None."""
         library = overlay / "mutant.so"
         sources = [overlay / file if unit == file else ROOT / unit for unit in self.units[file]]
-        return library if self.compiler(overlay, "-O0", "-fPIC", "-shared", *flags, *sources, "-lm", "-o", library) else None
+        built = self.compiler(overlay, "-O0", "-fPIC", "-shared", *flags, *sources, "-lm", "-o", library)
+        return library if built else None
+
+    def check_unchanged(self, file, tests):
+        """A file that is loaded before the library must change nothing, or all of its mutants would seem killed."""
+        with tempfile.TemporaryDirectory(prefix="mutant") as name:
+            overlay = Path(name)
+            target = overlay / file
+            target.parent.mkdir(parents=True)
+            target.write_bytes((ROOT / file).read_bytes())
+            library = self.loaded(overlay, file)
+            failed = library and self.killed_by(tests, library)
+        if failed:
+            raise ToolError(f"{failed.name()}: fails with {file} as it is loaded before the library; build anew, or see "
+                            "what it is linked with")
 
     def judge(self, mutant, source, known):
         """(verdict, killer or digests of the tests that did not notice)."""
-        tests = self.tests_for(mutant)
-        if known and self.still_holds(known, tests):
+        if self.is_known(mutant, known):
             return known
+        tests = self.tests_for(mutant)
         with tempfile.TemporaryDirectory(prefix="mutant") as name:
             overlay = Path(name)
             target = overlay / mutant.file
@@ -192,6 +206,9 @@ class Judge:
                 return {"verdict": KILLED, "by": killer.name(), "digest": killer.digest, "is_hash": killer.is_hash}
             same = self.same_code(mutant.file, overlay)
         return {"verdict": SAME if same else SURVIVED, "tests": {test.name(): test.digest for test in tests}}
+
+    def is_known(self, mutant, known):
+        return bool(known) and self.still_holds(known, self.tests_for(mutant))
 
     def still_holds(self, known, tests):
         if known["verdict"] == KILLED:
@@ -284,17 +301,27 @@ class Store:
         write_whole(self.path, json.dumps(self.known))
 
 
+def tests_of(judge, file, chosen):
+    """That judge any mutant of a file."""
+    found = {test.name(): test for mutant in chosen if mutant.file == file for test in judge.tests_for(mutant)}
+    return list(found.values())
+
+
 def judged(judge, chosen, store, jobs):
     """[(mutant, verdict)] in order."""
     headers = digest(*(path.read_bytes() for top in ("include", "src", "hal") for path in sorted((ROOT / top).rglob("*.h"))))
     sources = {file: (ROOT / file).read_bytes() for file in {mutant.file for mutant in chosen}}
 
-    def one(mutant):
-        source = sources[mutant.file]
-        key = digest(mutant.file, mutant.applied(source), headers, judge.library)
-        verdict = judge.judge(mutant, source, store.known.get(key))
-        return key, verdict
+    def key_of(mutant):
+        return digest(mutant.file, mutant.applied(sources[mutant.file]), headers, judge.library)
 
+    def one(mutant):
+        key = key_of(mutant)
+        return key, judge.judge(mutant, sources[mutant.file], store.known.get(key))
+
+    unknown = [mutant for mutant in chosen if not judge.is_known(mutant, store.known.get(key_of(mutant)))]
+    for file in sorted({mutant.file for mutant in unknown}):
+        judge.check_unchanged(file, tests_of(judge, file, unknown))
     console = Console(stderr=True)
     bar = Progress(TextColumn("mutants"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), console=console,
                    disable=not console.is_terminal, transient=True)

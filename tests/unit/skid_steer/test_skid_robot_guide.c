@@ -355,8 +355,8 @@ static void test_what_waits_is_forgotten_by_a_fault_and_a_disable(void)
     make_driving();
     drive(JP_Q24(0.2), 0);
     jp_skid_robot_disable(&robot);
-    run(1);
     TEST_ASSERT_FALSE(jp_skid_robot_has_next(&robot));
+    run(1);
     TEST_ASSERT_EQUAL_UINT16(1, telemetry().commands);
 }
 
