@@ -60,7 +60,8 @@ SECTIONS = (
             "not show to a goal and home, four times each, and keep what they learn; before a trip a quarter of them become "
             "others, on another ground, and in a third of the trips of wheeled robots the ground changes on the way. At the "
             "border: the battery holds what there and home take with 95 % by the return map, and nobody turns back. In use: "
-            "it holds 0.5 to 1.5 times what they are expected to take; the robot turns back at 99.9 %.", r"bench_home"),
+            "it holds 0.5 to 1.5 times what they are expected to take; the robot turns back at 99.9 %, or does not leave.",
+            r"bench_home"),
     Section("In another physics engine", "The robots rebuilt in MuJoCo from their files (`make sil WORLD=mujoco`), driven by the same "
             "controllers over the same bus: reference missions, slopes of 10° for balancers and of the file for others, steps of "
             "5 mm or as much of a smaller wheel, with the tyres of the file and hard ones, friction of 0.2, gears with 1° of play "
