@@ -423,7 +423,7 @@ static void end_drive(struct jp_home *home, struct jp_home_factor *factor)
     const struct jp_forecast forecast = {jp_add(drive->forecast.energy, begin), drive->forecast.deviation};
 
     /* A drive without a course teaches nothing, nor one that took nothing or before any way was surveyed. */
-    if (drive->has_forecast) {
+    if (drive->forecast.energy > 0) {
         (void)jp_home_factor_learn(factor, given_since(home, drive->given), &forecast, begin);
     }
 }
@@ -484,8 +484,11 @@ static bool may_leave(const struct jp_home *home)
     struct jp_forecast left;
     jp_q31 probability = 0;
 
-    return home->config.confidence == 0 || !home->config.left(home->config.context, &left) ||
-           (jp_forecast_suffices(&left, &way, &probability) == JP_OK && probability >= home->config.confidence);
+    if (home->config.confidence == 0 || !home->config.left(home->config.context, &left)) {
+        return true;
+    }
+    (void)jp_forecast_suffices(&left, &way, &probability); /* no pointer is null, no deviation negative */
+    return probability >= home->config.confidence;
 }
 
 static void go(struct jp_home *home)

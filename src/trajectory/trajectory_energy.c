@@ -111,12 +111,13 @@ static int64_t over_time(struct sum *sum, int64_t mean, uint32_t set_points)
     const uint32_t rate = sum->config->tick_rate;
     const uint32_t ticks = set_points * JP_TICKS_PER_SET_POINT;
     const uint32_t seconds = ticks / rate;
+    const uint32_t rest = ticks % rate;
 
     if (seconds >= SECONDS_MAX) {
         sum->is_cut = true;
         return mean * (int64_t)SECONDS_MAX;
     }
-    return mean * (int64_t)seconds + mean * (int64_t)(ticks % rate) / (int64_t)rate;
+    return mean * (int64_t)seconds + mean * (int64_t)rest / (int64_t)rate;
 }
 
 static void add_blend(struct sum *sum, const struct jp_blend *blend)

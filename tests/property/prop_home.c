@@ -136,6 +136,7 @@ static void test_does_not_leave_with_less_than_a_short_way_out_and_back(void)
     init_home();
     battery.energy = JP_Q16(0.5);
     battery.deviation = 1;
+    battery.a_call = 100;
     const struct jp_home_learned before = home.learned;
     const struct jp_place place = jp_navigator_place(&navigator);
 

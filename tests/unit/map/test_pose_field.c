@@ -302,29 +302,23 @@ static void test_a_way_takes_one_motion_at_a_time(void)
     TEST_ASSERT_TRUE(count > 2U * JP_HEADINGS * JP_HEADINGS);
 }
 
-static jp_cost cost_at(unsigned pose)
-{
-    return jp_pose_field_cost(&field, (int32_t)(pose / JP_HEADINGS) % WIDTH, (int32_t)(pose / JP_HEADINGS) / WIDTH,
-                              pose % JP_HEADINGS);
-}
-
 /* Without elevations a map is level, and costs what one of equal elevations does; slices change nothing. */
 static void test_a_map_without_elevations_is_level(void)
 {
-    static jp_cost expected[POSES];
+    jp_cost expected[WIDTH * HEIGHT];
 
     init();
     start(JP_POSE_FIELD_FROM_ROOT, 6, 3, 1U << 3, LIMIT);
-    for (unsigned pose = 0; pose < POSES; pose++) {
-        expected[pose] = cost_at(pose);
+    for (int32_t i = 0; i < WIDTH * HEIGHT; i++) {
+        expected[i] = jp_pose_field_least(&field, i % WIDTH, i / WIDTH);
     }
     map.has_elevation = false;
     make_level_map(&map);
     init();
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_pose_field_start(&field, JP_POSE_FIELD_FROM_ROOT, 6, 3, 1U << 3, LIMIT));
     grow(1);
-    for (unsigned pose = 0; pose < POSES; pose++) {
-        TEST_ASSERT_EQUAL_UINT32(expected[pose], cost_at(pose));
+    for (int32_t i = 0; i < WIDTH * HEIGHT; i++) {
+        TEST_ASSERT_EQUAL_UINT32(expected[i], jp_pose_field_least(&field, i % WIDTH, i / WIDTH));
     }
 }
 
@@ -343,29 +337,6 @@ static void test_the_least_of_a_cell_is_over_its_headings(void)
         TEST_ASSERT_EQUAL_UINT32(least, jp_pose_field_least(&field, i % WIDTH, i / WIDTH));
     }
     TEST_ASSERT_EQUAL_UINT32(0, jp_pose_field_least(&field, 5, 3));
-}
-
-/* So that each motion leads nearer to the root: also where the primitives of a lattice turn for nothing. */
-static void test_no_turn_is_for_nothing(void)
-{
-    static struct jp_primitive primitives[JP_HEADINGS * JP_PRIMITIVES_PER_HEADING_MAX];
-    static struct jp_lattice free;
-    struct jp_lattice_pose pose = {6, 3, 0};
-
-    free = *lattice;
-    for (unsigned i = 0; i < lattice->first_from[JP_HEADINGS]; i++) {
-        primitives[i] = lattice->primitives[i];
-        primitives[i].base[JP_COST_PHYSICAL] = 0;
-    }
-    free.primitives = primitives;
-    lattice = &free;
-    init();
-    start(JP_POSE_FIELD_TO_ROOT, 6, 3, 1U << 1, LIMIT);
-    TEST_ASSERT_EQUAL_UINT32(0, jp_pose_field_cost(&field, 6, 3, 1));
-    TEST_ASSERT_EQUAL_UINT32(1, jp_pose_field_cost(&field, 6, 3, 0));
-    TEST_ASSERT_TRUE(jp_pose_field_next(&field, &pose));
-    TEST_ASSERT_EQUAL_UINT32(1, pose.heading);
-    TEST_ASSERT_FALSE(jp_pose_field_next(&field, &pose));
 }
 
 /* ---- Out and back ---- */
@@ -411,33 +382,6 @@ static void test_a_return_map_refuses(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_ARGUMENT, jp_return_map_start(&out_and_back, &turned, 7, 3, LIMIT));
     TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, jp_return_map_start(&out_and_back, &outside, 7, 3, LIMIT));
     TEST_ASSERT_EQUAL_INT(JP_ERR_OUTSIDE, jp_return_map_start(&out_and_back, &from, 7, -1, LIMIT));
-}
-
-/* Wherever it stands among the primitives of its heading. */
-static void test_the_unit_step_is_found_at_any_place(void)
-{
-    static struct jp_primitive primitives[JP_PRIMITIVES_PER_HEADING_MAX];
-    static struct jp_lattice turned;
-
-    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
-        const struct jp_primitive *step = jp_unit_step(lattice, heading);
-        const unsigned first = lattice->first_from[heading];
-        const unsigned count = lattice->first_from[heading + 1U] - first;
-
-        TEST_ASSERT_NOT_NULL(step);
-        for (unsigned place = 0; place < count; place++) {
-            for (unsigned i = 0; i < count; i++) {
-                primitives[i] = lattice->primitives[first + i];
-            }
-            primitives[step - &lattice->primitives[first]] = primitives[place];
-            primitives[place] = *step;
-            turned = (struct jp_lattice){.primitives = primitives, .moves = lattice->moves};
-            for (unsigned i = heading + 1U; i <= JP_HEADINGS; i++) {
-                turned.first_from[i] = (uint16_t)count;
-            }
-            TEST_ASSERT_EQUAL_PTR(&primitives[place], jp_unit_step(&turned, heading));
-        }
-    }
 }
 
 /* On a slope with a dear cell: each step to the root costs what the lattice charges where it begins. */
