@@ -25,8 +25,8 @@
  * that is at least `confidence` where it is, however far the goal may be, so that what it learns on its way counts. At
  * home it needs nothing, and after its first metre it must turn round: it leaves only if what is left also suffices
  * for ten steps and home again from there, where it looks away from home: towards its goal, or in the direction that is
- * nearest to that and has a way. A change of the map that
- * blocks the way home makes the field grow anew; until it has, the way home is the last one and what was spent since.
+ * nearest to that and has a way. A change of the map that blocks the way home makes the field grow anew; until it has,
+ * the way home is the last one and what was spent since.
  *
  * Integers only: the same bits on every core. Nothing here is for ISRs.
  */
@@ -128,9 +128,9 @@ struct jp_home_internal {
     struct jp_home_drive drive;
     struct jp_goal goal;
     enum jp_home_start start;   /**< of the course that is surveyed */
-    struct jp_forecast outside; /**< what the way home from there takes; nothing where none is known */
-    bool is_goal_known;         /**< what the way home from there takes, or that none is known; */
-    bool is_outside_known;      /**< from there */
+    struct jp_forecast outside; /**< the way home from ten steps out; nothing where none is known */
+    bool is_goal_known;         /**< what the way home from the goal takes, or that none is known */
+    bool is_outside_known;      /**< the same from ten steps out */
     uint8_t outside_tries;      /**< directions that were tried from where the robot is */
     bool is_stuck;              /**< no course leads along the field from where the robot is */
 };

@@ -42,8 +42,8 @@ struct navigation {
     struct jp_home home;
     struct jp_course_leg home_legs[NAVIGATION_LEGS];
     void *home_block;
-    bool was_out; /* on its way to the goal */
-    bool has_noted_leave;
+    bool was_out;         /* on its way to the goal */
+    bool has_noted_leave; /* what the trip is expected to take, and what its battery holds */
     struct clearance_pose start;
     struct clearance_pose before;
     double joules_before;

@@ -61,6 +61,15 @@ static void run(int ticks, int32_t left, int32_t right)
     }
 }
 
+static void expect_stand(void)
+{
+    TEST_ASSERT_FALSE(odometry.internal.is_moving);
+    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.way);
+    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.side_way);
+    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.wheel_turn);
+    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.turn);
+}
+
 /* Of wheels that moved by so many counts: a quarter of a second later they stand, with every increment 0. */
 static void expect_stand_after(int32_t left, int32_t right)
 {
@@ -73,11 +82,7 @@ static void expect_stand_after(int32_t left, int32_t right)
     }
     for (int step = 0; step < 3; step++) {
         run(STEP_TICKS, 0, 0);
-        TEST_ASSERT_FALSE(odometry.internal.is_moving);
-        TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.way);
-        TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.side_way);
-        TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.wheel_turn);
-        TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.turn);
+        expect_stand();
     }
 }
 
@@ -95,11 +100,7 @@ static void test_a_stand_has_no_increments(void)
     sensors.yaw_rate = JP_Q24(0.1);
     run(STEP_TICKS - 1, 0, 0);
     tick(1, -1);
-    TEST_ASSERT_FALSE(odometry.internal.is_moving);
-    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.way);
-    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.side_way);
-    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.wheel_turn);
-    TEST_ASSERT_EQUAL_INT32(0, odometry.internal.step.turn);
+    expect_stand();
 }
 
 /* Nor is the count left that came in the last step before. */
