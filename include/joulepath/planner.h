@@ -249,6 +249,7 @@ struct jp_planner_internal {
     enum jp_planner_lent lent;
     struct jp_planner_rehearsal rehearsal;
     bool is_field_rooted;              /**< the energy field has a root */
+    bool are_fields_grown;             /**< and they have grown from it since: their bounds hold */
     bool has_turn_field;               /**< beside the energy field, in the place of part of the states */
     struct jp_lattice_pose field_root; /**< where the robot was when the fields got their roots */
     jp_cost turns_to_goal;             /**< least cost of turning from there, by a field that has made way since */

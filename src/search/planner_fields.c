@@ -43,6 +43,7 @@ void jp_fields_start(struct jp_planner_internal *planner)
 
     root_at_robot(planner);
     planner->is_field_rooted = true;
+    planner->are_fields_grown = false;
     jp_energy_field_start(&planner->field, start->x, start->y, goal->x, goal->y);
     if (planner->has_turn_field) {
         jp_fields_start_turns(planner);
@@ -91,7 +92,8 @@ jp_cost jp_fields_turns_to_goal(const struct jp_planner_internal *planner)
 
 bool jp_fields_are_cut_off(const struct jp_planner_internal *planner)
 {
-    return planner->is_field_rooted && jp_fields_bound(planner, &planner->start) == JP_COST_MAX;
+    return planner->is_field_rooted && planner->are_fields_grown &&
+           jp_fields_bound(planner, &planner->start) == JP_COST_MAX;
 }
 
 static struct jp_cell_box around(const struct jp_cell_box *a, const struct jp_cell_box *b)

@@ -333,7 +333,7 @@ static bool is_full(const struct jp_planner_internal *planner)
 
 jp_cost jp_search_least_cost(const struct jp_planner_internal *planner)
 {
-    if (!planner->is_field_rooted || planner->changes.may_be_cheaper) {
+    if (!planner->is_field_rooted || !planner->are_fields_grown || planner->changes.may_be_cheaper) {
         return 0;
     }
     /* All bounds are from the field's root; the robot has driven on since, and is at least as near to the goal as the

@@ -36,7 +36,9 @@ bool jp_slice_grow_turns(struct jp_planner_internal *planner, unsigned *budget)
 
 bool jp_slice_grow_fields(struct jp_planner_internal *planner, unsigned *budget)
 {
-    return grow_energy_field(planner, budget) && (!planner->has_turn_field || jp_slice_grow_turns(planner, budget));
+    planner->are_fields_grown =
+        grow_energy_field(planner, budget) && (!planner->has_turn_field || jp_slice_grow_turns(planner, budget));
+    return planner->are_fields_grown;
 }
 
 /** The states' memory, where they are cleared when the guide has grown: all but those that rest while the scout

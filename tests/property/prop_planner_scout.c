@@ -61,6 +61,50 @@ static void test_scout_is_called_back(void)
     }
 }
 
+/** What is said of each answer until the search has ended; the last one is the optimum. */
+static void expect_bounds(jp_cost optimum)
+{
+    const struct jp_plan *plan = jp_planner_plan(&planner);
+
+    while (!jp_planner_is_idle(&planner)) {
+        const enum jp_answer answer = jp_planner_work(&planner, 1);
+        if (answer == JP_ANSWER_OPTIMAL || (answer == JP_ANSWER_WITHIN_BOUND && plan->bound != JP_BOUND_NONE)) {
+            TEST_ASSERT_TRUE((uint64_t)plan->cost * JP_EPSILON_ONE <= (uint64_t)plan->bound * optimum);
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OPTIMAL, plan->answer);
+    TEST_ASSERT_EQUAL_UINT32(optimum, plan->cost);
+}
+
+/* The robot is elsewhere after any slice of the first search, also while a field grows, of which no bound holds yet. */
+static void test_robot_that_jumps(void)
+{
+    static const struct jp_lattice_pose here = {2, 14, 1};
+    static const struct jp_lattice_pose elsewhere = {8, 14, 9};
+    static const struct jp_goal goal = {2, 2, 0x95B3};
+    bool was_idle = false;
+
+    config.lattice = &jp_lattice_gao2018;
+    config.epsilon[0] = JP_EPSILON(3);
+    map = (struct jp_terrain_config){.width = 12, .height = 16, .resolution = config.lattice->resolution};
+    make_level_map(&map);
+    begin_with_scout(&goal);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_start(&planner, &elsewhere));
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OPTIMAL, finish());
+    const jp_cost optimum = jp_planner_plan(&planner)->cost;
+
+    for (unsigned slices = 0; !was_idle; slices++) {
+        begin_with_scout(&goal);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_start(&planner, &here));
+        for (unsigned i = 0; i < slices; i++) {
+            (void)jp_planner_work(&planner, 1);
+        }
+        was_idle = jp_planner_is_idle(&planner);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_start(&planner, &elsewhere));
+        expect_bounds(optimum);
+    }
+}
+
 /* What is joined may take more steps than the route's memory holds: then the route is found anew, and cut. */
 static void test_splice_that_does_not_fit_the_route(void)
 {
