@@ -1,5 +1,6 @@
 /* What the planner's fields say of the ways from the robot; and how much of its budget any part of its work takes. */
 #include "src/search/planner_fields.h"
+#include "src/search/planner_slices.h"
 #include "tests/unit/search/planner_optimum.h"
 
 enum { PHASES_MAX = 40 /* that a search goes through: of each a part of a unit is lost */ };
@@ -92,13 +93,16 @@ static void test_turns_that_are_known_of_the_robot(void)
 static void test_robot_that_is_cut_off(void)
 {
     struct jp_planner_internal *inner = &planner.internal;
-    unsigned cells = UINT16_MAX;
+    unsigned budget = UINT16_MAX;
 
     plan_to(&goal_at_3);
     TEST_ASSERT_FALSE(jp_fields_are_cut_off(inner));
     wall(true);
     jp_fields_start(inner);
-    TEST_ASSERT_TRUE(jp_energy_field_grow(&inner->field, &cells));
+    inner->start = pose_at(12, 4, 0);
+    TEST_ASSERT_FALSE(jp_fields_are_cut_off(inner)); /* nobody knows yet */
+    TEST_ASSERT_TRUE(jp_slice_grow_fields(inner, &budget));
+    inner->start = west;
     TEST_ASSERT_FALSE(jp_fields_are_cut_off(inner));
     TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, jp_fields_bound_at_goal(inner));
     inner->start = pose_at(12, 4, 0);
