@@ -5,6 +5,7 @@ FUZZ_RUNS                  ?= 6000
 FUZZ_RUNS.balancer          = 1500
 FUZZ_RUNS.balancer_ecu      = 300
 FUZZ_RUNS.four_wheel_robot  = 1500
+FUZZ_RUNS.home              = 400
 FUZZ_RUNS.lattice           = 1500
 FUZZ_RUNS.line_path         = 2000
 FUZZ_RUNS.localiser         = 200

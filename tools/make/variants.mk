@@ -60,7 +60,7 @@ FLAGS.release         = -O2 -Wno-error -ffunction-sections -fdata-sections
 FLAGS.firmware        = -g -mthumb -mcpu=cortex-m4 -O2 -ffunction-sections -fdata-sections -fcallgraph-info=su
 # Of a robot that finds its way by laser, in single precision.
 FLAGS.firmware-m7     = -g -mthumb $(M7F) -O2 -ffunction-sections -fdata-sections -fcallgraph-info=su
-FLAGS.host-coverage   = $(HOST) -O0 --coverage -fprofile-update=atomic
+FLAGS.host-coverage   = $(HOST) -O0 --coverage
 # Coverage guides the inputs.
 FLAGS.host-fuzz       = $(HOST) $(SANITIZE) -fsanitize=fuzzer-no-link -O1
 # What this compiler warns of besides is not its task here.
