@@ -75,7 +75,7 @@ enum jp_navigator_reason {
     JP_NAVIGATOR_NO_REASON,
     JP_NAVIGATOR_TOLD,      /**< jp_navigator_stop() */
     JP_NAVIGATOR_BLOCKED,   /**< the map changed on the way ahead */
-    JP_NAVIGATOR_ASTRAY,    /**< the robot left its course by more than the margin */
+    JP_NAVIGATOR_ASTRAY,    /**< the robot left its course by more than the margin, or was stopped on it */
     JP_NAVIGATOR_HEMMED_IN, /**< no place near the robot has room for it */
     JP_NAVIGATOR_MEMORY,    /**< the planner's block is too small for this map and goal, and no way of unit steps leads
                                  there */

@@ -131,6 +131,15 @@ static void begin_drive(struct jp_navigator *navigator, const struct jp_place *p
     (void)jp_navigator_accepts(navigator, vehicle->follow(vehicle->context, &run));
 }
 
+/** It was stopped on its way, or switched off and on: more than a cell is left of its run. */
+static bool stands_short(const struct jp_navigator *navigator, const struct jp_place *place)
+{
+    const unsigned last = navigator->internal.run_end - 1U;
+    const struct jp_terrain *terrain = jp_planner_terrain(navigator->config.planner);
+
+    return jp_frame_along_leg(navigator, last, &place->point).x < -terrain->config.resolution;
+}
+
 static void end_drive(struct jp_navigator *navigator)
 {
     struct jp_navigator_internal *internal = &navigator->internal;
@@ -153,7 +162,9 @@ static void drive(struct jp_navigator *navigator, const struct jp_place *place, 
     if (internal->leg + 1U < internal->run_end && jp_frame_along_leg(navigator, internal->leg, &place->point).x > 0) {
         internal->leg++;
     }
-    if (phase == JP_VEHICLE_STANDING) {
+    if (phase == JP_VEHICLE_STANDING && stands_short(navigator, place)) {
+        jp_navigator_plan_anew(navigator, JP_NAVIGATOR_ASTRAY);
+    } else if (phase == JP_VEHICLE_STANDING) {
         end_drive(navigator);
     } else if (blocked_leg(navigator, place) < internal->run_end) {
         jp_navigator_enter(navigator, JP_NAVIGATOR_BRAKING, JP_NAVIGATOR_BLOCKED);

@@ -487,6 +487,36 @@ static void test_brakes_when_it_leaves_its_course(void)
     expect_at(18, 4);
 }
 
+/** Somebody else stops it so far before the end of its run. */
+static void stop_before(jp_q16 left)
+{
+    while (robot.count == 0 || robot.view.position.x < robot.targets[robot.count - 1].x - left) {
+        (void)jp_navigator_work(&navigator);
+    }
+    robot.count = 0;
+    robot.view.phase = JP_VEHICLE_STANDING;
+}
+
+static void test_plans_anew_where_it_was_stopped_on_its_way(void)
+{
+    begin(18, 4);
+    stop_before(JP_Q16(0.5));
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_PLANNING, jp_navigator_work(&navigator));
+    TEST_ASSERT_EQUAL_INT(JP_NAVIGATOR_ASTRAY, navigator.reason);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_EQUAL_UINT16(1, navigator.replans);
+    expect_at(18, 4);
+}
+
+/* From within a cell of the end there is nothing to plan. */
+static void test_a_stand_within_a_cell_of_the_end_is_the_end(void)
+{
+    begin(18, 4);
+    stop_before(map.resolution);
+    TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    TEST_ASSERT_EQUAL_UINT16(0, navigator.replans);
+}
+
 /* ---- Requests ---- */
 
 static void test_stops(void)
