@@ -82,7 +82,7 @@ static void set_any(void)
         .way = (int32_t)uniform(0, 200 * IN_Q16),
         .turn = (int32_t)uniform(0, 100 * IN_Q16),
         .turned = (int32_t)uniform(-8 * IN_Q24, 8 * IN_Q24),
-        .steps = (int32_t)uniform(0, 4000 * 256),
+        .steps = (int32_t)uniform(1, 4000) * 256,
         .bias_x = (int32_t)uniform(-8e3 * 256, 8e3 * 256),
         .bias_y = (int32_t)uniform(-8e3 * 256, 8e3 * 256),
         .scale_x = (int32_t)uniform(-30 * IN_Q16, 30 * IN_Q16),
@@ -90,18 +90,18 @@ static void set_any(void)
     };
 }
 
-/** σ of the gyro's scale: its share of r stays as unknown as r is. */
-static double scale_deviation(void)
+/** Variance of the gyro's scale: its share of r stays as unknown as r is. */
+static double scale_variance(void)
 {
     const double share = square(0.06 * 0.5) / (square(0.06 * 0.5) + square(0.04));
 
-    return 0.06 * sqrt(1 - share * (1 - odometry.internal.gyro.ratio_ratio / IN_Q30));
+    return square(0.06) * (1 - share * (1 - odometry.internal.gyro.ratio_ratio / IN_Q30));
 }
 
-/** Of the bias, turn in a step of 0.04 s. */
-static double bias_deviation(void)
+/** Of the bias, turn² in a step of 0.04 s. */
+static double bias_variance(void)
 {
-    return 0.003 * 0.04 * sqrt(odometry.internal.gyro.bias_bias / IN_Q30);
+    return square(0.003 * 0.04) * odometry.internal.gyro.bias_bias / IN_Q30;
 }
 
 static void test_deviations_of_what_is_learned(void)
@@ -110,14 +110,16 @@ static void test_deviations_of_what_is_learned(void)
         set_any();
         look();
         const struct jp_skid_past *past = &odometry.internal.past;
-        const double by_bias = past->steps / 256.0 * bias_deviation();
-        const double by_scale = past->turned / IN_Q24 * scale_deviation();
-        const double of_ratio = 0.05 * sqrt(odometry.internal.gyro.ratio_ratio / IN_Q30);
+        const double by_bias = square(past->steps / 256.0) * bias_variance();
+        const double by_scale = square(past->turned / IN_Q24) * scale_variance();
+        const double of_ratio = square(0.05) * odometry.internal.gyro.ratio_ratio / IN_Q30;
+        const double of_bias = bias_variance() / square(0.04);
+        const double of_both = of_ratio + scale_variance() * square(0.5);
+        const double of_heading = square(TWO_PI) * (by_bias + by_scale);
 
-        expect_near(bias_deviation() / 0.04, estimate.gyro_bias_deviation / IN_Q24, 0.003);
-        expect_near(sqrt(square(of_ratio) + square(scale_deviation() * 0.5)),
-                    estimate.steering_ratio_deviation / IN_Q24, 0.05);
-        expect_near(TWO_PI * sqrt(square(by_bias) + square(by_scale)), estimate.heading_deviation / IN_Q24, 1);
+        expect_near(of_bias, square(estimate.gyro_bias_deviation / IN_Q24), of_bias);
+        expect_near(of_both, square(estimate.steering_ratio_deviation / IN_Q24), of_both);
+        expect_near(of_heading, square(estimate.heading_deviation / IN_Q24), of_heading);
     }
 }
 
@@ -129,19 +131,23 @@ static void test_covariance_of_the_position(void)
         look();
         const struct jp_skid_past *past = &odometry.internal.past;
         const double walk = square(0.25) * past->way / IN_Q16 + square(0.375) * TWO_PI * past->turn / IN_Q16;
-        const double errors[][2] = {
-            {0.01 * (double)odometry.x / IN_Q32, 0.01 * (double)odometry.y / IN_Q32},
-            {TWO_PI * past->bias_x / 256 * bias_deviation(), TWO_PI * past->bias_y / 256 * bias_deviation()},
-            {TWO_PI * past->scale_x / IN_Q16 * scale_deviation(), TWO_PI * past->scale_y / IN_Q16 * scale_deviation()},
+        const struct {
+            double variance;
+            double x;
+            double y;
+        } causes[] = {
+            {square(0.01), (double)odometry.x / IN_Q32, (double)odometry.y / IN_Q32},
+            {bias_variance(), TWO_PI * past->bias_x / 256, TWO_PI * past->bias_y / 256},
+            {scale_variance(), TWO_PI * past->scale_x / IN_Q16, TWO_PI * past->scale_y / IN_Q16},
         };
         double xx = walk;
         double xy = 0;
         double yy = walk;
 
-        for (unsigned cause = 0; cause < sizeof errors / sizeof *errors; cause++) {
-            xx += square(errors[cause][0]);
-            xy += errors[cause][0] * errors[cause][1];
-            yy += square(errors[cause][1]);
+        for (unsigned cause = 0; cause < sizeof causes / sizeof *causes; cause++) {
+            xx += causes[cause].variance * square(causes[cause].x);
+            xy += causes[cause].variance * causes[cause].x * causes[cause].y;
+            yy += causes[cause].variance * square(causes[cause].y);
         }
         expect_near(xx, (double)estimate.xx / IN_Q32, xx);
         expect_near(yy, (double)estimate.yy / IN_Q32, yy);

@@ -1,5 +1,5 @@
-/* A path that is begun while another is followed begins at rest, with its first set-point; and the parts of a drive, one
- * a tick. */
+/* A path that is begun while another is followed begins at rest, with its first set-point; and the parts of a drive,
+ * one a tick. */
 #include "src/skid_steer/skid_follow.h"
 
 #include <joulepath/tables.h>
@@ -58,10 +58,11 @@ static void set_slope(struct jp_skid_odometry *odometry, int i)
 /* Set-point, what is ahead on the slope that the odometry knows, and the way back: as a drive that is told the same. */
 static void test_its_parts_are_those_of_a_drive(void)
 {
-    struct jp_path_piece bend = {.length = JP_Q24(2),
-                                 .bend = JP_Q24(0.5),
-                                 .kind = JP_PIECE_CURVE,
-                                 .speed = {.cruise = JP_Q24(0.5), .acceleration = JP_Q24(0.25), .brake_from = JP_Q24(1.5)}};
+    struct jp_path_piece bend = {
+        .length = JP_Q24(2),
+        .bend = JP_Q24(0.5),
+        .kind = JP_PIECE_CURVE,
+        .speed = {.cruise = JP_Q24(0.5), .acceleration = JP_Q24(0.25), .brake_from = JP_Q24(1.5)}};
     const struct jp_lattice_path path = {.pieces = &bend, .places = 1, .count = 1};
     const struct jp_skid_odometry_config config = {.tick_rate = 500, .step_ticks = 20, .creep = JP_Q24(0.125)};
     struct jp_skid_odometry odometry = {.internal = {.slip = {.per_most = JP_Q16(1)}}};

@@ -88,9 +88,8 @@ static jp_q16 power(int of, jp_q24 speed, jp_q24 turn_rate, jp_q24 grade)
     const struct jp_motion motion = {speed, turn_rate};
     jp_q16 watts = 0;
 
-    TEST_ASSERT_EQUAL_INT(JP_OK, of == LEARNED
-                                     ? jp_skid_energy_power(&learned, &motion, grade, &watts)
-                                     : jp_skid_steer_power(priced, JP_COST_PHYSICAL, &motion, grade, &watts));
+    TEST_ASSERT_EQUAL_INT(JP_OK, of == LEARNED ? jp_skid_energy_power(&learned, &motion, grade, &watts)
+                                               : jp_skid_steer_power(priced, JP_COST_PHYSICAL, &motion, grade, &watts));
     return watts;
 }
 
@@ -101,8 +100,7 @@ static double climbing(int of, const struct jp_motion *at)
 
 static double turning(int of, const struct jp_motion *at)
 {
-    return (double)power(of, 0, at->turn_rate, 0) + power(of, at->speed, at->turn_rate, 0) -
-           power(of, at->speed, 0, 0);
+    return (double)power(of, 0, at->turn_rate, 0) + power(of, at->speed, at->turn_rate, 0) - power(of, at->speed, 0, 0);
 }
 
 static void expect_factor(double by_model, double by_formulas, jp_q16 factor)
@@ -116,8 +114,9 @@ static void expect_factor(double by_model, double by_formulas, jp_q16 factor)
 /* However slow the usual motion is. */
 static void test_factors_are_ratios_of_powers(void)
 {
-    static const struct jp_motion motions[] = {{JP_Q24(0.5), JP_Q24(0.4)}, {JP_Q24(0.5), 1}, {JP_Q24(2), JP_Q24(0.1)},
-                                               {1, JP_Q24(0.4)},           {1, 1},           {JP_Q24(0.001), JP_Q24(4)}};
+    static const struct jp_motion motions[] = {
+        {JP_Q24(0.5), JP_Q24(0.4)}, {JP_Q24(0.5), 1}, {JP_Q24(2), JP_Q24(0.1)},
+        {1, JP_Q24(0.4)},           {1, 1},           {JP_Q24(0.001), JP_Q24(4)}};
 
     learned.friction -= learned.friction / 8;
     for (unsigned i = 0; i < sizeof motions / sizeof *motions; i++) {
@@ -140,8 +139,9 @@ static void test_what_the_formulas_have_for_nothing_is_dear(void)
     free_of_charge.electronics_power = 0;
     learned.rolling = 0;
     learned.electronics_power = JP_Q16(0.01);
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_tariff_factors(&free_of_charge, &learned,
-                                                        &(struct jp_motion){JP_Q24(8), JP_Q24(0.4)}, VERSION, &factors));
+    TEST_ASSERT_EQUAL_INT(JP_OK,
+                          jp_skid_tariff_factors(&free_of_charge, &learned, &(struct jp_motion){JP_Q24(8), JP_Q24(0.4)},
+                                                 VERSION, &factors));
     TEST_ASSERT_EQUAL_INT32(JP_TARIFF_FACTOR_MAX, factors.straight);
 }
 

@@ -83,9 +83,9 @@ static void test_the_offset_has_a_variance_from_the_least_to_one(void)
 
 static void test_what_it_weighs_by_is_the_files(void)
 {
-    expect_near(0.01 * IN_Q30, tilt.accel_variance, 1e-3);   /* (0.0125/0.125)² */
-    expect_near(0.64 * 16384, tilt.fading, 1e-2);            /* (0.1/0.125)² in a metre */
-    TEST_ASSERT_EQUAL_INT32(8 * 32768, tilt.reciprocal);     /* 1/0.125 */
+    expect_near(0.01 * IN_Q30, tilt.accel_variance, 1e-3);  /* (0.0125/0.125)² */
+    expect_near(0.64 * 16384, tilt.fading, 1e-2);           /* (0.1/0.125)² in a metre */
+    TEST_ASSERT_EQUAL_INT32(8 * 32768, tilt.reciprocal);    /* 1/0.125 */
     expect_near(625 / 9.80665 * 256, tilt.acceleration, 0); /* of a step of 0.04 s */
 }
 
