@@ -98,10 +98,12 @@ static int64_t turn_noise_of(const struct jp_skid_gyro *gyro, const struct jp_sk
 /* Of what the wheels show of the turn and of the gyro's noise, over bias_unit², Q30. */
 static int64_t noise_of(const struct jp_skid_gyro *gyro, const struct jp_skid_step *step, bool is_moving)
 {
+    if (!is_moving) {
+        return gyro->gyro_variance;
+    }
     const int64_t way = jp_multiply(gyro->way_variance, step->way);
-    const int64_t counting = is_moving ? gyro->count_variance : 0;
 
-    return gyro->gyro_variance + counting + (jp_absolute64(way) >> 16) + turn_noise_of(gyro, step);
+    return gyro->gyro_variance + gyro->count_variance + (jp_absolute64(way) >> 16) + turn_noise_of(gyro, step);
 }
 
 /* Q30 · Q24; the result is part of a variance. */

@@ -38,7 +38,7 @@ static struct jp_motion motion_at(const struct leg_of_path *on, const struct spe
 
         return (struct jp_motion){at->speed, jp_q24_multiply(bend, at->speed)};
     }
-    return (struct jp_motion){0, on->piece->kind == JP_PIECE_TURN_LEFT ? at->speed : -at->speed};
+    return (struct jp_motion){0, at->speed}; /* to the right it takes the same */
 }
 
 static jp_q24 grade_of(const struct jp_path_piece *piece)
@@ -47,7 +47,7 @@ static jp_q24 grade_of(const struct jp_path_piece *piece)
 }
 
 /** From one place to the next, in which speed and curvature change evenly. A way so short that its speeds are 0 takes
- * nothing. */
+ * nothing: the model refuses what does not last. */
 static void add_part(struct drive_sum *sum, const struct leg_of_path *on, const struct speed_mark *from,
                      const struct speed_mark *to)
 {
@@ -60,10 +60,8 @@ static void add_part(struct drive_sum *sum, const struct leg_of_path *on, const 
         .duration = jp_clamp32(lasts, 0, DURATION_MAX),
     };
 
-    if (part.duration > 0) {
-        (void)jp_skid_energy_add(sum->model, sum->drive, &part);
-        sum->duration = jp_add(sum->duration, part.duration);
-    }
+    (void)jp_skid_energy_add(sum->model, sum->drive, &part);
+    sum->duration = jp_add(sum->duration, part.duration);
 }
 
 /** Where the speed has changed so, from the begin of a change on. */
@@ -85,8 +83,8 @@ static jp_q24 next_place(const struct leg_of_path *on, const struct speed_mark *
     for (unsigned i = 0; i < sizeof places / sizeof places[0]; i++) {
         nearest = places[i] > from->way && places[i] < nearest ? places[i] : nearest;
     }
-    if (from->speed > 0 && from->way >= on->reached && from->way < piece->speed.brake_from) {
-        const jp_q24 most = jp_multiply_shift(from->speed, DURATION_MAX, 16); /* at the cruise */
+    if (from->speed > 0 && from->way >= on->reached) {
+        const jp_q24 most = jp_multiply_shift(from->speed, DURATION_MAX, 16); /* at the cruise, or braking */
 
         nearest = nearest - from->way > most ? from->way + most : nearest;
     }
@@ -97,8 +95,7 @@ void jp_skid_piece_energy(const struct jp_skid_energy_model *model, const struct
                           const struct jp_path_piece *next, jp_q24 begin, struct jp_skid_drive *drive, jp_q16 *duration)
 {
     const struct jp_piece_speed *speed = &piece->speed;
-    const jp_q24 reached = jp_clamp32(way_of_change(speed, begin, speed->cruise), 0, speed->brake_from);
-    const struct leg_of_path on = {piece, next, reached};
+    const struct leg_of_path on = {piece, next, way_of_change(speed, begin, speed->cruise)};
     struct drive_sum sum = {model, drive, *duration};
     struct speed_mark from = {0, begin};
 

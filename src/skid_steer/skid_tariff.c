@@ -54,11 +54,11 @@ enum jp_status jp_skid_tariff_factors(const struct jp_skid_steer_config *priced,
     struct pricing before = {.priced = priced};
     struct pricing now = {.learned = learned};
 
-    if (priced == NULL || learned == NULL || usual == NULL || factors == NULL || usual->speed <= 0 ||
-        usual->turn_rate <= 0) {
+    if (usual == NULL || factors == NULL || usual->speed <= 0 || usual->turn_rate <= 0) {
         return JP_ERR_ARGUMENT;
     }
 
+    /* Powers of a model that is null are refused. */
     enum jp_status status = find_powers(&before, usual);
 
     if (status == JP_OK) {

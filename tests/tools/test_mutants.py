@@ -120,6 +120,17 @@ def test_what_no_test_looks_at_survives(project):
     assert [row[0] for row in rows[1:]] == ["src/room/a.c", "src/room/a.h", "room:", "all:"]
 
 
+def test_a_header_of_constants_is_judged_by_those_that_execute_what_includes_it(project):
+    (project / "src/room/limits.h").write_text("#define LIMIT 100\n", encoding="utf-8")
+    source = '#include "src/room/limits.h"\n' + SOURCE.replace("> 100", "> LIMIT")
+    (project / "src/room/a.c").write_text(source, encoding="utf-8")
+    build(project, TESTS)
+    result = run_mutants(project, "--room", "src/room/limits.h")
+    assert survivors(result) == ["constant in LIMIT, noticed by none of 2 tests: [100 => 99]"]
+    counts = json.loads((project / "mutants.json").read_text(encoding="utf-8"))["files"]
+    assert counts["src/room/limits.h"]["killed"] == 2
+
+
 def test_the_record_keeps_the_rows_of_other_rooms(project):
     page = project / "MUTANTS.md"
     run_mutants(project, "--record", page)

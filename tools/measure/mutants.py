@@ -114,6 +114,7 @@ class Executed:
     def __init__(self, tests, units, objects, folder):
         """Of `units`, each file with the sources that its code is compiled in."""
         self.tests = {test.name(): test for test in tests}
+        self.units = units
         path = folder / "lines.json"
         known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
         for number, test in enumerate(tests, 1):
@@ -126,20 +127,22 @@ class Executed:
         key = file_digest(test.counting)
         if known.get(test.name(), {}).get("key") != key:
             known[test.name()] = {"key": key, "lines": {}}
-        missing = [file for file in units if file not in known[test.name()]["lines"]]
+        files = {*units, *(source for of in units.values() for source in of)}
+        missing = sorted(files - set(known[test.name()]["lines"]))
         if missing:
             show(f"lines that tests execute: {progress}, {test.name()}")
-            sources = sorted({source for file in missing for source in units[file]})
+            sources = sorted({source for file in missing for source in units.get(file, [file])})
             known[test.name()]["lines"] |= {
                 file: sorted(of) for file, of in executed_lines(test, missing, sources, objects).items()}
 
     def by(self, mutant):
-        """Tests that execute a mutant's lines; of lines that are not executed, its function; of none, the file."""
+        """Tests that execute a mutant's lines; of lines that are not executed, its function; of none, what it is in."""
         for lines in (mutant.lines, mutant.scope or ()):
             found = [self.tests[name] for name, of in self.lines.items() if not of[mutant.file].isdisjoint(lines)]
             if found:
                 return found
-        return [self.tests[name] for name, of in self.lines.items() if of[mutant.file] and not mutant.scope]
+        within = () if mutant.scope else (mutant.file, *self.units[mutant.file])
+        return [self.tests[name] for name, of in self.lines.items() if any(of[file] for file in within)]
 
 
 def show(text):

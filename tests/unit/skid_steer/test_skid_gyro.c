@@ -66,6 +66,7 @@ static void test_the_deviations_at_the_start_are_the_files(void)
     expect_near(UNIT, gyro.bias_unit, 1e-5);
     TEST_ASSERT_INT32_WITHIN(2, JP_Q24(0.05), gyro.ratio_unit); /* √(0.04² + 0.03²) */
     expect_near(0.05 * IN_Q24 * 65536 / UNIT, gyro.ratio_weight, 1e-5);
+    TEST_ASSERT_EQUAL_INT32((int32_t)(gyro.ratio_unit * 65536.0 / gyro.bias_unit), gyro.ratio_weight);
     TEST_ASSERT_EQUAL_INT32(JP_Q24(2), gyro.ratio_reciprocal);
     expect_near(of_scale * of_scale / (0.05 * 0.05) * IN_Q30, gyro.scale_share, 1e-5);
     TEST_ASSERT_EQUAL_INT32(JP_SKID_ONE, gyro.bias_bias);
@@ -102,6 +103,14 @@ static void test_a_bias_that_hardly_varies_has_a_least_unit(void)
     config.bias_deviation = 1;
     start();
     TEST_ASSERT_EQUAL_INT32(16, gyro.bias_unit);
+}
+
+/* However slowly it wanders, its variance grows. */
+static void test_a_bias_that_hardly_wanders_grows_unsure(void)
+{
+    config.bias_memory = 100000000;
+    start();
+    TEST_ASSERT_EQUAL_INT32(1, gyro.bias_growth);
 }
 
 /* It shows 1 + error of a turn. */
@@ -141,9 +150,10 @@ static struct filter kalman(bool is_moving)
     const double turn = step.pushed_turn; /* 2⁻³² turn */
     const double unit = gyro.bias_unit;
     const double ratio_unit = gyro.ratio_unit / IN_Q24;
-    const double h = turn * ratio_unit / unit; /* what a deviation of the ratio shows, in deviations of the bias */
+    const double shows = turn * ratio_unit / unit; /* of a deviation of the ratio, in deviations of the bias */
+    const double h = shows < -32 ? -32 : lesser(shows, 32);
     const double unsure = lesser((16 + step.pushed / IN_Q24 * gyro.per_turn_noise) / 16, 16);
-    const double wheels = gyro.turn_variance * size(step.wheel_turn) / IN_Q30 * unsure * unsure;
+    const double wheels = lesser(gyro.turn_variance * size(step.wheel_turn) / IN_Q30, 1024) * unsure * unsure;
     const double noise = (double)gyro.gyro_variance / IN_Q30 + (is_moving ? (double)gyro.count_variance / IN_Q30 : 0) +
                          gyro.way_variance / 16384.0 * size(step.way) / IN_Q32 + wheels;
 
@@ -182,6 +192,36 @@ static void test_a_stand_teaches_the_bias_by_the_formulas(void)
         step.gyro_turn = (int32_t)uniform(-200000, 900000);
         expect_step(false);
     }
+}
+
+/* Wheels that move by nothing have counts that come and go. */
+static void test_counts_make_a_motion_less_sure(void)
+{
+    for (int i = 0; i < 40; i++) {
+        step.gyro_turn = (int32_t)uniform(-200000, 900000);
+        expect_step(true);
+    }
+}
+
+/* Turns that show the ratio by up to 32 deviations of the bias, and what is beyond. */
+static void test_long_turns_teach_by_the_formulas(void)
+{
+    for (int i = 1; i <= 40; i++) {
+        start();
+        step.wheel_turn = (int32_t)(i * UNIT / 0.05) * (i % 2 == 0 ? 1 : -1);
+        step.pushed_turn = step.wheel_turn;
+        step.gyro_turn = step.pushed_turn / 2 + (int32_t)uniform(-400000, 400000);
+        expect_step(true);
+    }
+}
+
+/* What is louder than 128 deviations counts as that. */
+static void test_noise_beyond_the_filter_is_limited(void)
+{
+    gyro.count_variance = (int64_t)1 << 50;
+    step.gyro_turn = (int32_t)1 << 24;
+    jp_skid_gyro_learn(&gyro, &step, true);
+    TEST_ASSERT_INT32_WITHIN(16, (1 << 24) / 512, gyro.bias_change);
 }
 
 static void test_steps_teach_by_the_formulas(void)

@@ -191,6 +191,97 @@ static void test_speed_and_curvature_that_change_together(void)
     TEST_ASSERT_TRUE(drive.energy > whole.energy / 2);
 }
 
+static void expect_equal(const struct jp_skid_drive *expected)
+{
+    TEST_ASSERT_TRUE(drive.energy > 0);
+    TEST_ASSERT_EQUAL_MEMORY(expected, &drive, sizeof drive);
+}
+
+/* To the last bit, whatever its rise and whichever way: 64 s at one rate. */
+static void test_a_steady_turn_is_one_part(void)
+{
+    for (int i = 0; i < 16; i++) {
+        const jp_q24 rate = JP_Q24(1) + i * 123456;
+        const struct jp_skid_piece part = {.start = {0, rate}, .end = {0, rate}, .duration = JP_Q16(64)};
+        struct jp_skid_drive expected = {.energy = 0};
+
+        setUp();
+        pieces[0] = (struct jp_path_piece){
+            .length = 64 * rate,
+            .rise = JP_Q16(9),
+            .kind = i % 2 == 0 ? JP_PIECE_TURN_LEFT : JP_PIECE_TURN_RIGHT,
+            .speed = {.cruise = rate, .end = rate, .acceleration = JP_Q24(1), .brake_from = 64 * rate}};
+        jp_skid_piece_energy(model, &pieces[0], NULL, rate, &drive, &duration);
+        TEST_ASSERT_EQUAL_INT(JP_OK, jp_skid_energy_add(model, &expected, &part));
+        TEST_ASSERT_EQUAL_INT32(JP_Q16(64), duration);
+        expect_equal(&expected);
+    }
+}
+
+/* 2⁻²² m at 2⁻²⁴ m/s in the mean: 4 s. */
+static void test_what_is_slow_takes_its_time(void)
+{
+    pieces[0] = (struct jp_path_piece){
+        .length = 4, .kind = JP_PIECE_CURVE, .speed = {.cruise = 2, .end = 0, .acceleration = 1, .brake_from = 0}};
+    jp_skid_piece_energy(model, &pieces[0], NULL, 2, &drive, &duration);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(4), duration);
+}
+
+/* From 0.25 to 0.5 m/s at 0.25 m/s²: a second, 0.375 m; then 2 s. */
+static void test_a_line_that_begins_in_motion(void)
+{
+    struct jp_skid_drive expected = {.energy = 0};
+
+    pieces[0] = (struct jp_path_piece){
+        .length = JP_Q24(1.375),
+        .kind = JP_PIECE_CURVE,
+        .speed = {
+            .cruise = JP_Q24(0.5), .end = JP_Q24(0.5), .acceleration = JP_Q24(0.25), .brake_from = JP_Q24(1.375)}};
+    jp_skid_piece_energy(model, &pieces[0], NULL, JP_Q24(0.25), &drive, &duration);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(3), duration);
+    add(&expected, JP_Q24(0.25), JP_Q24(0.5), 0, 0, JP_Q16(1));
+    add(&expected, JP_Q24(0.5), JP_Q24(0.5), 0, 0, JP_Q16(2));
+    expect_equal(&expected);
+}
+
+/* From a stand, each with the one after it; what is kept behind its end is none of it. */
+static void test_a_path_is_the_sum_of_its_pieces(void)
+{
+    struct jp_skid_drive expected = {.energy = 0};
+    const jp_q24 cruise = JP_Q24(0.5) + 1;
+    jp_q16 lasts = 0;
+
+    path.count = 2;
+    for (unsigned i = 0; i < PIECES; i++) {
+        pieces[i] = (struct jp_path_piece){
+            .length = JP_Q24(32),
+            .bend = i == 1U ? JP_Q24(0.5) : 0,
+            .rise = JP_Q16(8),
+            .kind = JP_PIECE_CURVE,
+            .speed = {.cruise = cruise, .end = cruise, .acceleration = JP_Q24_ONE / 256, .brake_from = JP_Q24(32)}};
+    }
+    pieces[1].speed.blend = JP_Q24(0.25);
+    pieces[1].speed.blend_rate = JP_Q16(1);
+    pieces[2].speed.blend = JP_Q24(0.125);
+    pieces[2].speed.blend_rate = -JP_Q16(2);
+    jp_skid_path_energy(model, &path, &drive, &duration);
+    jp_skid_piece_energy(model, &pieces[0], &pieces[1], 0, &expected, &lasts);
+    jp_skid_piece_energy(model, &pieces[1], NULL, cruise, &expected, &lasts);
+    TEST_ASSERT_EQUAL_INT32(lasts, duration);
+    expect_equal(&expected);
+}
+
+static void test_a_robot_that_gets_nothing_back_has_no_recovery(void)
+{
+    struct jp_skid_energy_model wasteful = *model;
+
+    wasteful.braking = 0;
+    TEST_ASSERT_EQUAL_INT32(0, jp_skid_motion_price(&wasteful, 0).recovery);
+    wasteful.weight = JP_Q16(16384);
+    wasteful.inertia = JP_Q24(8);
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(16384), jp_skid_motion_price(&wasteful, 0).gain);
+}
+
 static void test_prices_of_a_model(void)
 {
     const struct jp_motion_price price = jp_skid_motion_price(model, JP_Q16(3));

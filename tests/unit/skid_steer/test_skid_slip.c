@@ -245,6 +245,40 @@ static void test_a_step_slips_by_the_formulas(void)
     }
 }
 
+/* On level ground, to the last bit. */
+static void test_a_turn_to_the_right_mirrors_one_to_the_left(void)
+{
+    for (int i = 0; i < CASES; i++) {
+        draw_step();
+        tilt.state[JP_SKID_TILT_LEFT] = 0;
+        step.way = 0;
+        step.turn = any(0.001, 0.02, IN_Q32);
+        jp_skid_slip_move(&slip, &config, &tilt, &step);
+        const int32_t wanted = slip.wanted;
+
+        step.turn = -step.turn;
+        jp_skid_slip_move(&slip, &config, &tilt, &step);
+        TEST_ASSERT_EQUAL_INT32(-wanted, slip.wanted);
+    }
+    step.force = 0;
+    config.caster_drag = 0;
+    tilt.state[JP_SKID_TILT_OFFSET] = 0;
+    jp_skid_slip_move(&slip, &config, &tilt, &step);
+    TEST_ASSERT_EQUAL_INT32(0, slip.wanted);
+}
+
+/* Not a bit of what rolls across the steepest slope. */
+static void test_a_tight_turn_holds_all_that_rolls_across(void)
+{
+    slip.creep_across = 0;
+    slip.shift_across = 0;
+    tilt.state[JP_SKID_TILT_LEFT] = -JP_Q24(0.9);
+    step.turn = (int32_t)(0.02 * IN_Q32);
+    step.way = (int32_t)(0.01 * IN_Q32);
+    jp_skid_slip_move(&slip, &config, &tilt, &step);
+    TEST_ASSERT_EQUAL_INT32(0, step.sideways);
+}
+
 /* ---- The turn by the wheels ---- */
 
 /** With a slip along and across, m/turn. */
@@ -372,6 +406,23 @@ static void test_a_side_that_stands_rolls_ahead(void)
     step.counts[JP_SKID_LEFT] = -1;
     expect_learned(-4, 4, 0.3);
     expect_learned(0, 4, 0.3);
+}
+
+/* Signs alone tell whether a side drives, even where force and counts are one number. */
+static void test_a_side_whose_force_is_the_number_of_its_counts_drives(void)
+{
+    const int32_t number = 4000 * 256;
+
+    config.force_per_ampere = JP_Q24_ONE;
+    config.rolling = 0;
+    step.turn = (int32_t)1 << 30;
+    slip.yielding = ETA_ONE;
+    step.counts[JP_SKID_LEFT] = -number;
+    step.counts[JP_SKID_RIGHT] = number;
+    step.current[JP_SKID_LEFT] = -4000;
+    step.current[JP_SKID_RIGHT] = 4000;
+    jp_skid_slip_learn(&slip, &config, &step);
+    TEST_ASSERT_INT32_WITHIN(16, 0.5 * 2 * number, slip.turn_force);
 }
 
 /** Whether a step with these increments teaches anything. */

@@ -149,9 +149,80 @@ static void test_torques_of_a_wide_turn(void)
     expect_torques(motion(2, -0.2), 0, (50 + 76.28866) / 2, (50 - 76.28866) / 2);
 }
 
+/** On wheels of 1 m, whose torque is the force. */
+static struct jp_skid_steer_config on_wheels_of_a_metre(void)
+{
+    struct jp_skid_steer_config config = round_numbers;
+
+    config.wheel_radius = JP_Q24_ONE;
+    return config;
+}
+
+static void expect_forces(const struct jp_skid_steer_config *config, struct jp_motion driven, jp_q24 grade, jp_q16 left,
+                          jp_q16 right)
+{
+    struct jp_skid_steer_sides torques;
+
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_skid_steer_torques(config, &driven, grade, &torques));
+    TEST_ASSERT_EQUAL_INT32(left, torques.left);
+    TEST_ASSERT_EQUAL_INT32(right, torques.right);
+}
+
 static void test_no_motion_takes_no_torque(void)
 {
-    expect_torques(motion(0, 0), 0, 0, 0);
+    const struct jp_skid_steer_config config = on_wheels_of_a_metre();
+
+    expect_forces(&config, motion(0, 0), 0, 0, 0);
+    expect_forces(&config, motion(0, 0), JP_Q24(0.5), 0, 0);
+}
+
+/* The least motion there is rolls. */
+static void test_the_slowest_motion_takes_a_torque(void)
+{
+    struct jp_skid_steer_config config = on_wheels_of_a_metre();
+
+    config.rolling = JP_Q24(0.125);
+    expect_forces(&config, (struct jp_motion){1, 0}, 0, JP_Q16(62.5), JP_Q16(62.5));
+    expect_forces(&config, (struct jp_motion){-1, 0}, 0, -JP_Q16(62.5), -JP_Q16(62.5));
+    expect_forces(&config, (struct jp_motion){1, 0}, JP_Q24(0.25), JP_Q16(187.5), JP_Q16(187.5));
+}
+
+/* Half of 1 N up odd grades of 2^-17: halves of 2^-16 N go away from zero, uphill as downhill. */
+static void test_forces_are_the_nearest(void)
+{
+    struct jp_skid_steer_config config = on_wheels_of_a_metre();
+
+    config.rolling = 0;
+    config.weight = JP_Q16(1);
+    for (int32_t i = 0; i < 100; i++) {
+        const jp_q24 half = 512 * (2 * i + 1) / 2;
+
+        expect_forces(&config, motion(1, 0), half, i + 1, i + 1);
+        expect_forces(&config, motion(1, 0), half - 1, i, i);
+        expect_forces(&config, motion(1, 0), -half, -i - 1, -i - 1);
+        expect_forces(&config, motion(1, 0), -half + 1, -i, -i);
+    }
+}
+
+/* F = μ G l |w|/(4 (0.925 B |w| + 0.15 |v|)), without rolling. */
+static void test_turning_forces_are_the_nearest(void)
+{
+    struct jp_skid_steer_config config = on_wheels_of_a_metre();
+
+    config.rolling = 0;
+    config.weight = JP_Q16(16);
+    config.friction = JP_Q24(0.5);
+    config.wheelbase = JP_Q24(1);
+    for (int32_t i = 0; i < 100; i++) {
+        const struct jp_motion driven = {JP_Q24(0.1) + 54321 * i, JP_Q24(0.3) + 98765 * (i % 7)};
+        const double slip = 0.925 * driven.turn_rate + 0.15 * driven.speed;
+        const double force = 16 * 0.5 / 4 * driven.turn_rate / slip * JP_Q16_ONE;
+        struct jp_skid_steer_sides torques;
+
+        TEST_ASSERT_EQUAL_INT32(JP_OK, jp_skid_steer_torques(&config, &driven, 0, &torques));
+        TEST_ASSERT_TRUE(torques.right - force < 0.52 && force - torques.right < 0.52);
+        TEST_ASSERT_EQUAL_INT32(-torques.right, torques.left);
+    }
 }
 
 static jp_q16 power_of(enum jp_cost_kind kind, struct jp_motion driven, double grade)
@@ -173,6 +244,13 @@ static void test_power_downhill(void)
 {
     TEST_ASSERT_INT32_WITHIN(TOLERANCE, JP_Q16(-175), power_of(JP_COST_PAPER, motion(1, 0), -0.2));
     TEST_ASSERT_INT32_WITHIN(TOLERANCE, JP_Q16(20), power_of(JP_COST_PHYSICAL, motion(1, 0), -0.2));
+}
+
+/* The price of the paper knows no electronics. */
+static void test_power_of_a_stand(void)
+{
+    TEST_ASSERT_EQUAL_INT32(0, power_of(JP_COST_PAPER, motion(0, 0), 0));
+    TEST_ASSERT_EQUAL_INT32(JP_Q16(20), power_of(JP_COST_PHYSICAL, motion(0, 0), 0));
 }
 
 static void test_power_as_a_price(void)
@@ -302,6 +380,63 @@ static void test_forces_saturate(void)
     TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW,
                             jp_skid_steer_energy(&heavy, JP_COST_PHYSICAL, &spin, 0, JP_Q16(256), &energy));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, energy);
+}
+
+/* Up a slope of 1 at 16 384 N, 30 kN more turn it: a side alone pushes 38 kN. */
+static void test_the_force_of_one_side_saturates(void)
+{
+    struct jp_skid_steer_config heavy = on_wheels_of_a_metre();
+    struct jp_skid_steer_sides torques;
+
+    heavy.weight = JP_Q16(16384);
+    heavy.friction = JP_Q24(2);
+    heavy.wheelbase = JP_Q24(4);
+    heavy.width = JP_Q24(1.17);
+    const struct jp_motion left = motion(0.01, 8);
+    const struct jp_motion right = motion(0.01, -8);
+
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, jp_skid_steer_torques(&heavy, &left, JP_Q24_ONE, &torques));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, torques.right);
+    TEST_ASSERT_TRUE(torques.left > INT32_MIN);
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, jp_skid_steer_torques(&heavy, &right, JP_Q24_ONE, &torques));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, torques.left);
+    TEST_ASSERT_TRUE(torques.right > INT32_MIN);
+}
+
+/* 2 047 N of a side at 1 N·m/A and 1 m; then 2^-16 N more. */
+static void test_a_current_may_be_2047_A(void)
+{
+    struct jp_skid_steer_config strong = on_wheels_of_a_metre();
+    const struct jp_motion slow = motion(0.01, 0);
+    jp_q16 power = 0;
+
+    strong.weight = JP_Q16(8188);
+    strong.rolling = JP_Q24(0.5);
+    strong.torque_per_ampere = JP_Q16(1);
+    strong.resistance = 0;
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_skid_steer_power(&strong, JP_COST_PAPER, &slow, 0, &power));
+    strong.weight += 4;
+    TEST_ASSERT_EQUAL_INT32(JP_ERR_OVERFLOW, jp_skid_steer_power(&strong, JP_COST_PAPER, &slow, 0, &power));
+}
+
+/* Of a power that just fits: a motion that takes no time is level, and takes nothing. */
+static void test_a_motion_without_duration_takes_nothing(void)
+{
+    struct jp_skid_steer_config full = round_numbers;
+    const struct jp_motion fast = motion(8, 0);
+    jp_q16 power = 0;
+    jp_q16 energy = 77;
+
+    full.weight = JP_Q16(16384);
+    full.rolling = JP_Q24(0.2499);
+    full.torque_per_ampere = JP_Q16(16384);
+    full.resistance = 0;
+    full.efficiency = JP_Q24_ONE;
+    full.electronics_power = 0;
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_skid_steer_power(&full, JP_COST_PHYSICAL, &fast, 0, &power));
+    full.electronics_power = INT32_MAX - power;
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_skid_steer_energy(&full, JP_COST_PHYSICAL, &fast, 0, 0, &energy));
+    TEST_ASSERT_EQUAL_INT32(0, energy);
 }
 
 static void test_currents_and_powers_saturate(void)
