@@ -193,7 +193,8 @@ void jp_robot_snapshot(const struct jp_robot *robot, struct jp_snapshot *snapsho
 /**
  * Between jp_robot_init() and the first tick, after a reset in motion: the first plausible frame continues from the
  * snapshot instead of assuming rest. If the motors ran the robot balances at once and brakes to a
- * stand. Pitch is that of the snapshot, so the reset must be short: tens of milliseconds.
+ * stand, unless it is disabled or its sensors fail before. Pitch is that of the snapshot, so the reset must be short:
+ * tens of milliseconds.
  */
 void jp_robot_resume(struct jp_robot *robot, const struct jp_snapshot *snapshot);
 

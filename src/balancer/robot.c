@@ -194,8 +194,11 @@ static void begin_segment(struct jp_robot_internal *robot)
 static void rest(struct jp_robot_internal *robot, uint16_t faults)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
+    const bool is_disabled = jp_take(&robot->disable_requested);
 
-    if (jp_take(&robot->disable_requested) && telemetry->state != JP_ROBOT_IDLE) {
+    /* After a reset only who has neither failed nor been switched off since balances on. */
+    robot->resuming = robot->resuming && !is_disabled && faults == 0U;
+    if (is_disabled && telemetry->state != JP_ROBOT_IDLE) {
         /* Failed sensors left a pitch and a position that mean nothing. */
         if (telemetry->state == JP_ROBOT_FAULT) {
             robot->started = false;

@@ -76,6 +76,37 @@ static void test_a_resumed_robot_waits_for_a_plausible_frame(void)
     expect_state(JP_ROBOT_BALANCING);
 }
 
+/* A fault is kept until it is disabled, and then it is enabled anew or not at all. */
+static void test_a_resumed_robot_whose_sensors_fail_stays_off(void)
+{
+    make_balancing();
+    reset();
+    for (int i = 0; i < 10; i++) {
+        tick_read(JP_ERR_HARDWARE);
+    }
+    expect_state(JP_ROBOT_FAULT);
+    run(10);
+    expect_state(JP_ROBOT_FAULT);
+    TEST_ASSERT_EQUAL_UINT8(0, actuation.enabled);
+    jp_robot_disable(&robot);
+    run(10);
+    expect_state(JP_ROBOT_IDLE);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_robot_enable(&robot));
+    run(1);
+    expect_state(JP_ROBOT_BALANCING);
+}
+
+static void test_a_resumed_robot_that_is_disabled_before_it_sees_stays_off(void)
+{
+    make_balancing();
+    reset();
+    jp_robot_disable(&robot);
+    tick_read(JP_ERR_HARDWARE);
+    run(10);
+    expect_state(JP_ROBOT_IDLE);
+    TEST_ASSERT_EQUAL_UINT8(0, actuation.enabled);
+}
+
 static void test_a_resumed_robot_knows_where_it_is(void)
 {
     struct jp_telemetry before;
