@@ -918,3 +918,38 @@ static void test_straight_bound_of_each_unit_step(void)
         TEST_ASSERT_TRUE((length - 1) * (length - 1) < square << 32);
     }
 }
+
+/* The reach of each heading holds what its primitives sweep. */
+static void test_check_of_the_reach_of_every_heading(void)
+{
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        copy.reach[heading].span_count = 0;
+        expect_bad("spans");
+        reset_copy();
+    }
+}
+
+/* Grounds that the map does not tell apart charge nothing, whatever their prices are, not even the dearest step. */
+static void test_grounds_that_are_not_on_the_map_charge_nothing(void)
+{
+    const struct jp_terrain_config config = {
+        .width = GROUND_SIDE, .height = GROUND_SIDE, .resolution = JP_Q16(0.2), .has_costs = true};
+    const char *field = NULL;
+
+    make_grounds();
+    copy.ground[0] = copy.ground[MUD];
+    copy.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS].floor = UINT16_MAX;
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_terrain_init(&terrain, &config, block, sizeof block, &field));
+    TEST_ASSERT_EQUAL_UINT32(2U * UINT16_MAX + 60000U, cost_on_grounds(JP_COST_PHYSICAL, 60000));
+}
+
+/* Nor of a cost of another kind. */
+static void test_grounds_charge_no_other_kind_of_the_dearest_step(void)
+{
+    make_grounds();
+    copy.ground[0] = copy.ground[MUD];
+    for (unsigned kind = JP_COST_PAPER; kind < (unsigned)JP_COST_KINDS; kind++) {
+        copy.move_costs[kind][JP_MOVE_AXIS].floor = UINT16_MAX;
+        TEST_ASSERT_EQUAL_UINT32(2U * UINT16_MAX + 60000U, cost_on_grounds((enum jp_cost_kind)kind, 60000));
+    }
+}
