@@ -3,8 +3,8 @@
 #include "src/search/planner_effort.h"
 #include "src/search/planner_repair.h"
 #include "src/search/planner_search.h"
-#include "src/search/planner_states.h"
-#include "tests/support/planner_rig.h"
+#include "src/search/planner_slices.h"
+#include "tests/unit/search/planner_optimum.h"
 
 enum {
     LATE = 120, /* units of search after which a repair is done */
@@ -277,4 +277,71 @@ static void test_changes_that_fit_one_repair(void)
     TEST_ASSERT_TRUE(jp_repair_fits(inner, 100, 100));
     inner->changes.count++;
     TEST_ASSERT_FALSE(jp_repair_fits(inner, 100, 100));
+}
+
+static void work_until_cut_is_over(void)
+{
+    while (planner.internal.phase == JP_PLANNER_CUT || planner.internal.phase == JP_PLANNER_REKEY) {
+        (void)jp_planner_work(&planner, 1);
+    }
+}
+
+/* After the cut each state looks one step ahead over what is left, and waits in the queue as long as it does not cost
+ * that. */
+static void test_states_are_sound_after_any_cut(void)
+{
+    int cuts = 0;
+
+    for (int units = SMALL; units < LATE; units += 3) {
+        if (!cuts_after(units)) {
+            continue;
+        }
+        believe(AMPLE);
+        work_until_cut_is_over();
+        TEST_ASSERT_EQUAL_INT(JP_PLANNER_SEARCH, planner.internal.phase);
+        TEST_ASSERT_TRUE(is_search_at_rest());
+        expect_sound_states();
+        cuts++;
+    }
+    TEST_ASSERT_TRUE(cuts > 3);
+}
+
+/* A change, and a robot that is elsewhere, end what the cut had left: the next repair may be given up again. */
+static void test_after_a_change_a_repair_has_a_limit_again(void)
+{
+    for (int i = 0; i < 2; i++) {
+        TEST_ASSERT_TRUE(cuts_after(SMALL));
+        believe(AMPLE);
+        work_until_cut_is_over();
+        TEST_ASSERT_TRUE(planner.internal.effort.has_cut);
+        if (i == 0) {
+            raise(6, 4, 20);
+        } else {
+            expect_start(JP_OK, 5, 5, 0);
+        }
+        TEST_ASSERT_FALSE(planner.internal.effort.has_cut);
+        expect_optimal();
+    }
+}
+
+/* Two looks over all slots, of which a unit of the budget takes 128; what is left of it is left. */
+static void test_budget_of_the_cut(void)
+{
+    unsigned budget = 1000;
+
+    TEST_ASSERT_TRUE(cuts_after(SMALL));
+    planner.internal.cut.slot = 0;
+    planner.internal.cut.is_found = false;
+    TEST_ASSERT_FALSE(jp_slice_cut(&planner.internal, &budget));
+    TEST_ASSERT_TRUE(planner.internal.cut.is_found);
+    TEST_ASSERT_EQUAL_UINT32((1000U * 128U - planner.internal.search.slot_count) / 128U, budget);
+    budget = 1000;
+    TEST_ASSERT_TRUE(jp_slice_cut(&planner.internal, &budget));
+    TEST_ASSERT_EQUAL_UINT32((1000U * 128U - planner.internal.search.slot_count) / 128U, budget);
+    for (unsigned i = 0; i < 3U; i++) {
+        budget = 0;
+        planner.internal.cut.slot = 0;
+        TEST_ASSERT_FALSE(jp_slice_cut(&planner.internal, &budget));
+        TEST_ASSERT_EQUAL_UINT32(0, planner.internal.cut.slot);
+    }
 }

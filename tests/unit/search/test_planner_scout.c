@@ -340,3 +340,27 @@ static void test_where_a_head_is_met(void)
     TEST_ASSERT_EQUAL_UINT32(0, head.junction_step);
     TEST_ASSERT_FALSE(jp_planner_head_has(&head, 19));
 }
+
+/* What the scout has spent is not charged to the search that goes on without it. */
+static void test_what_the_scout_has_spent_is_its_own(void)
+{
+    for (int i = 0; i < 2; i++) {
+        begin_with_scout();
+        occupy(8, 2);
+        do {
+            (void)jp_planner_work(&planner, 1);
+        } while (planner.internal.phase != JP_PLANNER_SEARCH);
+        TEST_ASSERT_TRUE(planner.internal.is_scouting);
+        TEST_ASSERT_FALSE(planner.internal.search.is_exact);
+        planner.internal.effort.spent = 1000;
+        if (i == 0) {
+            occupy(9, 2);
+        } else {
+            expect_start(JP_OK, 5, 4, 4);
+        }
+        TEST_ASSERT_FALSE(planner.internal.is_scouting);
+        TEST_ASSERT_EQUAL_UINT32(0, planner.internal.effort.spent);
+        expect_true_answer(finish());
+        make_level_map(&map);
+    }
+}

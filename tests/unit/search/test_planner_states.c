@@ -277,3 +277,28 @@ static void test_lattices_that_are_not_taken(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_planner_set_lattice(&planner, &other));
     expect_optimal();
 }
+
+/* A state whose key stays in its bucket keeps its place there; one that moves comes first in its new one. */
+static void test_a_state_that_is_put_again_keeps_its_place(void)
+{
+    struct jp_planner_search *search = &planner.internal.search;
+
+    start_planner(sizeof block);
+    clear_states(1000);
+    jp_planner_queue_restart(search, 1000);
+    const uint32_t first = jp_planner_states_add(search, 5);
+    const uint32_t second = jp_planner_states_add(search, 6);
+    jp_planner_queue_put(search, first, 100);
+    jp_planner_queue_put(search, second, 100);
+    TEST_ASSERT_EQUAL_UINT32(second, jp_planner_queue_top(search));
+    jp_planner_queue_put(search, first, 100);
+    TEST_ASSERT_EQUAL_UINT32(second, jp_planner_queue_top(search));
+    jp_planner_queue_put(search, first, 900);
+    jp_planner_queue_put(search, first, 100);
+    TEST_ASSERT_EQUAL_UINT32(first, jp_planner_queue_top(search));
+    jp_planner_queue_remove(search, first);
+    TEST_ASSERT_EQUAL_UINT32(second, jp_planner_queue_top(search));
+    jp_planner_queue_remove(search, second);
+    jp_planner_queue_remove(search, second);
+    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_queue_top(search));
+}
