@@ -537,3 +537,14 @@ static void test_a_grown_guide_takes_no_more(void)
     TEST_ASSERT_TRUE(jp_guide_field_grow(&guide, &units));
     TEST_ASSERT_EQUAL_UINT32(500, units);
 }
+
+/* Of two cells a byte the last one has half a byte of its own, which a block that is aligned may have no room for. */
+static void test_size_of_cells_that_fill_words(void)
+{
+    for (uint16_t width = 15; width <= 18; width++) {
+        const struct jp_terrain_config row = {.width = width, .height = 1, .resolution = JP_Q16(0.2)};
+
+        TEST_ASSERT_TRUE(jp_guide_field_size(&row, 1) - jp_wavefront_size(width, 1, JP_WAVE_2_BYTES) >=
+                         (width + 1U) / 2U);
+    }
+}

@@ -416,3 +416,32 @@ static void test_each_step_is_charged_where_it_begins(void)
         TEST_ASSERT_TRUE(steps > 0U);
     }
 }
+
+/* A row is prepared for one heading at a time, which is counted as a pose for each 8 cells that are begun; then each
+ * pose that is reached is counted, few more than once. */
+static void test_what_it_takes_to_grow(void)
+{
+    enum { POSES_OF_A_ROW = WIDTH / 8 + 1 };
+    unsigned poses = 100000;
+    unsigned reached = 0;
+
+    raise_to_the_east();
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_pose_field_start(&field, JP_POSE_FIELD_FROM_ROOT, 4, 3, 1U, LIMIT));
+    for (unsigned rows = 0; rows < HEIGHT * JP_HEADINGS; rows++) {
+        unsigned budget = POSES_OF_A_ROW;
+
+        TEST_ASSERT_EQUAL_UINT32(rows, field.prepared);
+        TEST_ASSERT_FALSE(jp_pose_field_grow(&field, &budget));
+        TEST_ASSERT_EQUAL_UINT32(0, budget);
+    }
+    TEST_ASSERT_EQUAL_UINT32(HEIGHT * JP_HEADINGS, field.prepared);
+    TEST_ASSERT_TRUE(jp_pose_field_grow(&field, &poses));
+    for (int32_t i = 0; i < POSES; i++) {
+        reached += jp_pose_field_cost(&field, i / JP_HEADINGS % WIDTH, i / JP_HEADINGS / WIDTH,
+                                      (unsigned)(i % JP_HEADINGS)) != JP_COST_MAX;
+    }
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(reached, 100000U - poses);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(reached + reached / 4U, 100000U - poses);
+    TEST_ASSERT_TRUE(jp_pose_field_grow(&field, &poses));
+}

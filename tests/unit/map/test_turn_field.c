@@ -20,6 +20,7 @@ enum {
 };
 
 static const struct jp_lattice *lattice;
+static enum jp_cost_kind kind;
 static const struct {
     int32_t x;
     int32_t y;
@@ -37,13 +38,14 @@ static uint32_t state;
 static void init(unsigned scale)
 {
     TEST_ASSERT_TRUE(jp_turn_field_size(&map, scale) <= sizeof block);
-    jp_lattice_turns(lattice, JP_COST_PHYSICAL, &turns);
-    jp_turn_field_init(&field, lattice, JP_COST_PHYSICAL, &terrain, scale, block);
+    jp_lattice_turns(lattice, kind, &turns);
+    jp_turn_field_init(&field, lattice, kind, &terrain, scale, block);
 }
 
 void setUp(void)
 {
     lattice = &jp_lattice_zhang2018;
+    kind = JP_COST_PHYSICAL;
     make_level_map(&map);
     state = 20050903;
     init(scales[0]);
@@ -81,7 +83,7 @@ static bool relax_from(int32_t x, int32_t y, const struct jp_primitive *primitiv
 {
     const int32_t scale = field.scale;
     const int32_t here = expected[y / scale][x / scale][primitive->start];
-    const int32_t value = here + (primitive->base[JP_COST_PHYSICAL] >> field.shift);
+    const int32_t value = here + (primitive->base[kind] >> field.shift);
 
     if (here == UNREACHED || !jp_lattice_is_clear(lattice, &terrain, primitive, x, y)) {
         return false;
@@ -471,5 +473,17 @@ static void test_all_that_is_looked_at_is_paid_for(void)
         left = 500; /* and nothing more, once it has grown */
         TEST_ASSERT_TRUE(jp_turn_field_grow(&field, &left));
         TEST_ASSERT_GREATER_OR_EQUAL_UINT32(500 - WAVE_STEP, left);
+    }
+}
+
+/* Turning costs what the lattice says of each kind of cost. */
+static void test_each_kind_of_cost(void)
+{
+    occupy_some(4);
+    for (int i = 0; i < JP_COST_KINDS; i++) {
+        kind = (enum jp_cost_kind)i;
+        init(scales[0]);
+        start_and_grow();
+        expect_exact();
     }
 }

@@ -260,7 +260,7 @@ static void test_a_new_search_has_spent_nothing(void)
 static void test_where_an_old_guide_serves(void)
 {
     static const uint16_t headings[] = {1U, 1U << 8, 1U << 5 | 1U << 12, 1U << 15};
-    static struct jp_planner grown;
+    struct jp_guide_field grown;
     unsigned served = 0;
     unsigned others = 0;
 
@@ -273,7 +273,7 @@ static void test_where_an_old_guide_serves(void)
         go(&west, &goal);
         (void)finish();
         TEST_ASSERT_TRUE(inner->has_guide);
-        grown = planner;
+        grown = inner->guide;
         while (((headings[i] >> first) & 1U) == 0U) {
             first++;
         }
@@ -288,7 +288,8 @@ static void test_where_an_old_guide_serves(void)
             TEST_ASSERT_EQUAL_INT(serves ? JP_PLANNER_CLEAR : JP_PLANNER_GROW_GUIDE, inner->phase);
             served += serves;
             others += !serves;
-            planner = grown;
+            inner->guide = grown;
+            inner->has_guide = true;
         }
     }
     TEST_ASSERT_TRUE(served > 4U && others > 4U);
