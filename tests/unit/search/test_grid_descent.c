@@ -425,3 +425,186 @@ static void test_order_of_equal_keys(void)
         TEST_ASSERT_FALSE(jp_grid_queue_take(&planner.internal, &x, &y));
     }
 }
+
+/* ---- Cells of a unit ---- */
+
+static void test_work_of_looking_at_all_cells(void)
+{
+    make_open_map();
+    config.prices = &prices;
+    begin(JP_GRID_ANY_ANGLE, 1, 5, 13, 5);
+    TEST_ASSERT_EQUAL_UINT32((15U * 12U + 7U) / 8U, units_of(JP_GRID_FILL_PLANES));
+    TEST_ASSERT_EQUAL_UINT32((15U * 12U + 7U) / 8U, units_of(JP_GRID_MEASURE));
+    TEST_ASSERT_EQUAL_UINT32((15U * 12U + 7U) / 8U, units_of(JP_GRID_MEASURE_BACK));
+    TEST_ASSERT_EQUAL_UINT32((15U * 12U + 63U) / 64U, units_of(JP_GRID_CLEAR));
+    TEST_ASSERT_EQUAL_UINT32((15U * 12U + 63U) / 64U, units_of(JP_GRID_CLEAR_AGAIN));
+}
+
+/* Round the corner of a pillar, taut: at each of two passes eight lines from before the turn to behind it are tried, of
+ * which each takes a unit, and with prices one more for every four cells; then the way is turned round. */
+static void test_work_of_a_turn_that_cannot_be_moved(void)
+{
+    make_open_map();
+    put_column(7, 0, 5, JP_CELL_OCCUPIED);
+    memset(prices.near, 0, sizeof prices.near);
+    for (unsigned is_priced = 0; is_priced < 2U; is_priced++) {
+        struct jp_grid_planner_internal *inner = &planner.internal;
+        unsigned budget = 1000;
+
+        config.prices = is_priced == 1U ? &prices : NULL;
+        begin(JP_GRID_ANY_ANGLE, 1, 0, 13, 1);
+        awaited = JP_GRID_TIGHTEN;
+        work_until(is_awaited);
+        inner->path.count = 3;
+        inner->path.points[0] = (struct jp_point){1 * CELL, 4 * CELL};
+        inner->path.points[1] = (struct jp_point){7 * CELL, 6 * CELL};
+        inner->path.points[2] = (struct jp_point){8 * CELL, 6 * CELL};
+        inner->cursor = 1;
+        inner->passes = 0;
+        inner->has_changed = false;
+        TEST_ASSERT_EQUAL_INT(GRID_DONE, jp_grid_path_tighten(inner, &inner->path, &budget));
+        TEST_ASSERT_EQUAL_UINT32(3, inner->path.count);
+        TEST_ASSERT_EQUAL_UINT32(2, inner->passes);
+        TEST_ASSERT_EQUAL_INT32(7 * CELL, inner->path.points[1].x);
+        TEST_ASSERT_EQUAL_UINT32(1000U - 2U * (8U * (is_priced == 1U ? 1U + 9U / 4U : 1U) + 1U), budget);
+    }
+}
+
+/* ---- Rings ---- */
+
+enum { RING_SIDE = 14 };
+
+static uint8_t away[RING_SIDE + 2][RING_SIDE + 2];
+
+static uint8_t lesser(uint8_t a, uint8_t b)
+{
+    return a < b ? a : b;
+}
+
+/* Steps of 5 and 7 from the nearest cell that is blocked, or off the map, by relaxing all until nothing changes. */
+static void measure_all(int32_t blocked_x, int32_t blocked_y)
+{
+    bool has_changed = true;
+
+    memset(away, 0, sizeof away);
+    for (int32_t i = 0; i < RING_SIDE * RING_SIDE; i++) {
+        const int32_t x = i % RING_SIDE;
+        const int32_t y = i / RING_SIDE;
+
+        away[y + 1][x + 1] = x == blocked_x && y == blocked_y ? 0U : 200U;
+    }
+    while (has_changed) {
+        has_changed = false;
+        for (int32_t i = 0; i < RING_SIDE * RING_SIDE; i++) {
+            const int32_t x = i % RING_SIDE + 1;
+            const int32_t y = i / RING_SIDE + 1;
+            uint8_t least = away[y][x];
+
+            for (int32_t k = 0; k < 9; k++) {
+                const bool is_diagonal = k % 2 == 0;
+
+                if (k != 4) {
+                    least = lesser(least, (uint8_t)(away[y + k / 3 - 1][x + k % 3 - 1] + (is_diagonal ? 7U : 5U)));
+                }
+            }
+            has_changed = has_changed || least < away[y][x];
+            away[y][x] = least;
+        }
+    }
+}
+
+/* A cell is in the first ring that reaches as far as it is away, whatever the rings' width is. */
+static void test_rings_reach_as_far_as_cells_are_away(void)
+{
+    static const jp_q16 rings[] = {65536, 340787, 91750, 91751, 150000, 45875, 7 * 65536 / 5};
+
+    map = (struct jp_terrain_config){.width = RING_SIDE, .height = RING_SIDE, .resolution = JP_Q16_ONE};
+    for (unsigned i = 0; i < JP_GRID_RINGS; i++) {
+        prices.near[i] = (jp_q16)(i + 1U) * METRE;
+    }
+    for (size_t k = 0; k < sizeof rings / sizeof *rings; k++) {
+        make_level_map(&map);
+        put_column(4, 9, 9, JP_CELL_OCCUPIED);
+        measure_all(4, 9);
+        prices.ring = rings[k];
+        config.prices = &prices;
+        begin(JP_GRID_ANY_ANGLE, 0, 0, 1, 0);
+        awaited = JP_GRID_CLEAR;
+        work_until(is_awaited);
+        for (int32_t i = 0; i < RING_SIDE * RING_SIDE; i++) {
+            const int64_t far = (int64_t)away[i / RING_SIDE + 1][i % RING_SIDE + 1] * 65536;
+            uint32_t ring = 1;
+
+            while (ring <= JP_GRID_RINGS && far > (int64_t)ring * rings[k] * 5) {
+                ring++;
+            }
+            TEST_ASSERT_EQUAL_UINT32(256U * (1U + (ring <= JP_GRID_RINGS ? ring : 0U)),
+                                     jp_grid_level_price(&planner.internal, i % RING_SIDE, i / RING_SIDE));
+        }
+    }
+}
+
+/* ---- Lengths ---- */
+
+/* Where every metre has one price a line costs its length, to 2⁻²³ m, however short it is. */
+static void test_lines_cost_their_length(void)
+{
+    make_open_map();
+    memset(prices.near, 0, sizeof prices.near);
+    config.prices = &prices;
+    begin(JP_GRID_ANY_ANGLE, 1, 5, 13, 5);
+    awaited = JP_GRID_SEARCH;
+    work_until(is_awaited);
+    for (int i = 0; i < 400; i++) {
+        const struct jp_point from = {(jp_q16)pick(15 * CELL), (jp_q16)pick(12 * CELL)};
+        const struct jp_point to = {i % 2 == 0 ? (jp_q16)pick(15 * CELL) : from.x + (jp_q16)pick(300) - 150,
+                                    i % 2 == 0 ? (jp_q16)pick(12 * CELL) : from.y + (jp_q16)pick(300) - 150};
+        const int64_t dx = to.x - from.x;
+        const int64_t dy = to.y - from.y;
+        const int64_t price = (int64_t)jp_grid_line_price(&planner.internal, &from, &to);
+        const int64_t square = (dx * dx + dy * dy) * 65536;
+
+        TEST_ASSERT_TRUE((price + 2) * (price + 2) > square);
+        TEST_ASSERT_TRUE(price < 2 || (price - 2) * (price - 2) < square);
+    }
+}
+
+/* ---- Runs ---- */
+
+/* A run over open ground has no point at which it might turn, also where a word of the plane ends. */
+static void test_open_runs_have_no_points_between(void)
+{
+    for (int i = 0; i < 2; i++) {
+        map = (struct jp_terrain_config){.width = i == 0 ? 70 : 4, .height = i == 0 ? 4 : 70, .resolution = CELL};
+        make_level_map(&map);
+        for (int k = 0; k < 4; k++) {
+            begin(JP_GRID_JUMP_POINTS, i == 0 ? 69 * (k % 2) : k, i == 0 ? k : 69 * (k % 2),
+                  i == 0 ? 69 - 69 * (k % 2) : k, i == 0 ? k : 69 - 69 * (k % 2));
+            TEST_ASSERT_EQUAL_INT(JP_GRID_FOUND, finish(20));
+            TEST_ASSERT_EQUAL_UINT32(1, jp_grid_planner_statistics(&planner)->expansions);
+        }
+    }
+}
+
+/* ---- Memory ---- */
+
+/* A bit for each cell and the border round the map, row by row and column by column; nothing between them. */
+static void test_memory_of_the_planes(void)
+{
+    for (uint16_t width = 1; width <= 18; width++) {
+        const uint16_t height = (uint16_t)(19U - width);
+
+        map = (struct jp_terrain_config){.width = width, .height = height, .resolution = CELL};
+        make_level_map(&map);
+        start_planner();
+        const struct jp_grid_planner_internal *inner = &planner.internal;
+        const size_t rows = ((size_t)height + 2U) * 4U;
+        const size_t columns = ((size_t)width + 2U) * 4U;
+
+        TEST_ASSERT_EQUAL_PTR((uint8_t *)inner->rows + (rows + 7U) / 8U * 8U, inner->columns);
+        TEST_ASSERT_EQUAL_PTR((uint8_t *)inner->columns + (columns + 7U) / 8U * 8U, inner->path.points);
+        TEST_ASSERT_EQUAL_UINT32(2U * 19U + 16U, inner->points_max);
+        TEST_ASSERT_EQUAL_PTR(&inner->path.points[inner->points_max], inner->candidate.points);
+        TEST_ASSERT_EQUAL_PTR(&inner->candidate.points[inner->points_max], inner->queue);
+    }
+}

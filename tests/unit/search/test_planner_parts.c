@@ -5,6 +5,7 @@
 #include "src/search/planner_fields.h"
 #include "src/search/planner_layout.h"
 #include "src/search/planner_rehearsal.h"
+#include "src/search/planner_route.h"
 #include "src/search/planner_slices.h"
 #include "src/search/planner_stage.h"
 #include "src/search/planner_start.h"
@@ -143,6 +144,7 @@ static void test_blocks_of_rehearsals(void)
         TEST_ASSERT_TRUE(jp_rehearsal_awaits_route(inner));
         TEST_ASSERT_FALSE(inner->has_guide || inner->has_turn_field);
         TEST_ASSERT_TRUE(inner->states_block + inner->states_bytes <= inner->block + size);
+        TEST_ASSERT_TRUE(inner->statistics.field_bytes <= size / 3U);
         TEST_ASSERT_EQUAL_UINT8(0, inner->search.level);
         TEST_ASSERT_EQUAL_UINT32(JP_EPSILON_ONE, inner->search.epsilon);
         inner->rehearsal.has_route = true;
@@ -488,4 +490,220 @@ static void test_what_the_phases_are(void)
         inner->has_goal = i / 2 == 1;
         TEST_ASSERT_EQUAL_INT(i == 3, jp_stage_is_ready(inner));
     }
+}
+
+/* ---- Budgets ---- */
+
+/* What is not used of a budget is left, less the part of a unit that is. */
+static void expect_left(unsigned work, unsigned per_unit, unsigned budget)
+{
+    TEST_ASSERT_EQUAL_UINT32((1000U * per_unit - work) / per_unit, budget);
+}
+
+static void test_what_is_left_of_budgets(void)
+{
+    unsigned budget = 1000;
+
+    plan_exactly();
+    inner->search.clear_slot = 0;
+    TEST_ASSERT_TRUE(jp_slice_clear(inner, &budget));
+    expect_left(inner->search.slot_count, 256, budget);
+    budget = 1000;
+    inner->search.rekey_slot = 0;
+    TEST_ASSERT_TRUE(jp_slice_rekey(inner, &budget));
+    expect_left(inner->search.slot_count, 32, budget);
+    budget = 1000;
+    jp_plan_begin_check(inner);
+    TEST_ASSERT_TRUE(jp_slice_check_plan(inner, &budget));
+    expect_left(STEPS, 8, budget);
+    budget = 1000;
+    jp_fields_start(inner);
+    TEST_ASSERT_TRUE(jp_slice_grow_fields(inner, &budget));
+    TEST_ASSERT_TRUE(budget < 1000U - 10U && budget > 1000U - 300U);
+    jp_bound_share_with_turns(inner);
+    jp_fields_start(inner);
+    const unsigned without = budget;
+    budget = 1000;
+    TEST_ASSERT_TRUE(jp_slice_grow_fields(inner, &budget));
+    TEST_ASSERT_TRUE(budget < without);
+    budget = 0;
+    jp_fields_start(inner);
+    TEST_ASSERT_FALSE(jp_slice_grow_fields(inner, &budget));
+    TEST_ASSERT_EQUAL_UINT32(0, budget);
+}
+
+/* What a search has taken is noted when it has its first route, and when it is over, with the cost of its route then.
+ */
+static void test_effort_is_noted_with_its_cost(void)
+{
+    plan_exactly();
+    inner->effort = (struct jp_planner_effort){.spent = 30, .fresh_cost = 1};
+    inner->plan.cost = 777;
+    inner->search.is_repaired = false;
+    inner->phase = JP_PLANNER_SEARCH;
+    jp_effort_note(inner, 5, true);
+    TEST_ASSERT_EQUAL_UINT32(35, inner->effort.spent);
+    TEST_ASSERT_EQUAL_UINT32(1, inner->effort.fresh_cost);
+    jp_effort_note(inner, 5, false);
+    TEST_ASSERT_EQUAL_UINT32(40, inner->effort.fresh_route);
+    TEST_ASSERT_EQUAL_UINT32(777, inner->effort.fresh_cost);
+    TEST_ASSERT_EQUAL_UINT32(0, inner->effort.fresh_end);
+    inner->plan.cost = 555;
+    inner->phase = JP_PLANNER_SETTLED;
+    jp_effort_note(inner, 2, true);
+    TEST_ASSERT_EQUAL_UINT32(40, inner->effort.fresh_route);
+    TEST_ASSERT_EQUAL_UINT32(42, inner->effort.fresh_end);
+    TEST_ASSERT_EQUAL_UINT32(555, inner->effort.fresh_cost);
+    inner->plan.cost = 333;
+    for (int i = 0; i < 3; i++) { /* not of the scout, nor of a repair, nor without a route */
+        inner->is_scouting = i == 0;
+        inner->search.is_repaired = i == 1;
+        inner->answer = i == 2 ? JP_ANSWER_OUT_OF_BUDGET : JP_ANSWER_OPTIMAL;
+        jp_effort_note(inner, 1, false);
+        TEST_ASSERT_EQUAL_UINT32(555, inner->effort.fresh_cost);
+    }
+    inner->effort.has_begun = true;
+    jp_effort_note(inner, 9, true);
+    TEST_ASSERT_EQUAL_UINT32(0, inner->effort.spent);
+}
+
+/* ---- Changes ---- */
+
+/* What is known of all routes is forgotten where the map may have become cheaper, and what was spent before. */
+static void test_what_a_change_makes_unknown(void)
+{
+    for (int i = 0; i < 2; i++) {
+        make_level_map(&map);
+        plan_exactly();
+        TEST_ASSERT_EQUAL_UINT32(STEPS * AXIS_COST, inner->least);
+        inner->turns_to_goal = 5;
+        inner->effort.spent = 50;
+        inner->effort.has_cut = true;
+        inner->has_guide = true;
+        if (i == 0) {
+            occupy(15, 0);
+        } else {
+            raise(8, 4, -1);
+        }
+        TEST_ASSERT_EQUAL_UINT32(i == 0 ? STEPS * AXIS_COST : 0, inner->least);
+        TEST_ASSERT_EQUAL_UINT32(i == 0 ? 5 : 0, inner->turns_to_goal);
+        TEST_ASSERT_EQUAL_INT(i == 0, inner->has_guide);
+        TEST_ASSERT_EQUAL_INT(i == 1, inner->changes.may_be_cheaper);
+        TEST_ASSERT_EQUAL_UINT32(1, inner->changes.count);
+        TEST_ASSERT_EQUAL_UINT32(0, inner->changes.cursor);
+        TEST_ASSERT_EQUAL_UINT32(0, inner->effort.spent);
+        TEST_ASSERT_FALSE(inner->effort.has_cut);
+        TEST_ASSERT_TRUE(inner->search.is_repaired);
+        TEST_ASSERT_EQUAL_INT(JP_ANSWER_OUT_OF_BUDGET, inner->answer);
+        expect_true_answer(finish());
+    }
+    jp_start_over(inner);
+    TEST_ASSERT_EQUAL_UINT32(0, inner->least);
+}
+
+/* A new goal gives the turn field's memory back. */
+static void test_a_new_goal_drops_the_turn_field(void)
+{
+    plan_exactly();
+    const uint32_t slots = inner->search.slot_count;
+    jp_bound_share_with_turns(inner);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_goal(&planner, &(const struct jp_goal){11, 4, 1}));
+    TEST_ASSERT_FALSE(inner->has_turn_field);
+    TEST_ASSERT_EQUAL_UINT32(slots, inner->search.slot_count);
+    expect_optimal();
+}
+
+/* On level ground a straight line costs what is least: that is proved as soon as it is found, without a field. */
+static void test_a_straight_way_is_proved_at_once(void)
+{
+    config.epsilon[1] = 0;
+    start_planner(PLANNER_BYTES);
+    go(&west, &east);
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OPTIMAL, finish());
+    TEST_ASSERT_FALSE(inner->is_field_rooted);
+    TEST_ASSERT_EQUAL_UINT32(STEPS * AXIS_COST, inner->least);
+    TEST_ASSERT_EQUAL_UINT32(JP_EPSILON_ONE, inner->plan.bound);
+}
+
+/* ---- States ---- */
+
+/* A state that there is not yet is added by a repair where it may have become cheaper, unless nothing leads on from it
+ * or the table is full. */
+static void test_repair_of_states_that_are_not_there(void)
+{
+    unsigned added = 0;
+
+    (void)jp_terrain_set_cell(&terrain, 10, 1, JP_CELL_OCCUPIED);
+    plan_exactly();
+    (void)jp_terrain_set_cell(&terrain, 10, 1, JP_CELL_FREE);
+    for (unsigned i = 0; i < INNER_STATES; i++) {
+        const struct jp_lattice_pose pose = inner_pose(i);
+        const uint32_t id = jp_search_id(inner, pose.x, pose.y, pose.heading);
+        const jp_cost cost = cost_over_neighbours(&pose);
+        const uint32_t count = inner->search.state_count;
+
+        if (jp_planner_states_find(&inner->search, id) != NO_SLOT) {
+            continue;
+        }
+        TEST_ASSERT_TRUE(jp_search_repair(inner, id, false));
+        TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_states_find(&inner->search, id));
+        if (added == 1U && cost != JP_COST_MAX) {
+            const uint32_t most = inner->search.state_count_max;
+
+            inner->search.state_count_max = count;
+            TEST_ASSERT_FALSE(jp_search_repair(inner, id, true));
+            inner->search.state_count_max = most;
+        }
+        TEST_ASSERT_TRUE(jp_search_repair(inner, id, true));
+        const uint32_t slot = jp_planner_states_find(&inner->search, id);
+
+        TEST_ASSERT_EQUAL_INT(cost == JP_COST_MAX, slot == NO_SLOT);
+        TEST_ASSERT_EQUAL_UINT32(count + (cost == JP_COST_MAX ? 0U : 1U), inner->search.state_count);
+        if (slot != NO_SLOT) {
+            TEST_ASSERT_EQUAL_UINT32(cost, (uint32_t)inner->search.states[slot].rhs);
+            TEST_ASSERT_EQUAL_UINT32(JP_COST_MAX, (uint32_t)inner->search.states[slot].g);
+            added++;
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(2, added);
+}
+
+/* Of the cells of a box, its borders among them, all keys are computed anew; others stay as they are. */
+static void test_keys_of_a_box_are_computed_anew(void)
+{
+    unsigned queued = 0;
+
+    plan_exactly();
+    for (uint32_t slot = 0; slot < inner->search.slot_count; slot++) {
+        struct jp_planner_state *state = &inner->search.states[slot];
+
+        if (!jp_planner_state_is_used(state) || !state->queued) {
+            continue;
+        }
+        const struct jp_lattice_pose pose = jp_search_pose(inner, slot);
+        const uint32_t bucket = (uint32_t)state->bucket;
+
+        for (int32_t i = 0; i < 9; i++) {
+            const int32_t x = pose.x + i % 3 - 1;
+            const int32_t y = pose.y + i / 3 - 1;
+            const struct jp_cell_box other = {x, x, y, y};
+            const struct jp_cell_box both = {x < pose.x ? x : pose.x, x > pose.x ? x : pose.x, y < pose.y ? y : pose.y,
+                                             y > pose.y ? y : pose.y};
+            const bool is_on_map = jp_terrain_contains(&terrain, x, y);
+
+            jp_planner_queue_put(&inner->search, slot, 0);
+            if (i != 4 && is_on_map && bucket != 0U) {
+                jp_search_rekey_cells(inner, &other);
+                TEST_ASSERT_EQUAL_UINT32(0, (uint32_t)state->bucket);
+            }
+            if (is_on_map) {
+                jp_search_rekey_cells(inner, &both);
+            } else {
+                jp_search_rekey_cells(inner, &(struct jp_cell_box){pose.x, pose.x, pose.y, pose.y});
+            }
+            TEST_ASSERT_EQUAL_UINT32(bucket, (uint32_t)state->bucket);
+        }
+        queued++;
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(2, queued);
 }

@@ -351,12 +351,15 @@ static void test_change_while_the_states_are_cleared(void)
     for (int i = 0; i < 2; i++) {
         work_until_clearing(i == 0);
         raise(8, 4, -10);
+        TEST_ASSERT_EQUAL_INT(i == 0 ? JP_PLANNER_CLEAR : JP_PLANNER_GROW_FIELD, planner.internal.phase);
         expect_as_if_new();
         work_until_clearing(i == 0);
         occupy(8, 4);
+        TEST_ASSERT_EQUAL_INT(JP_PLANNER_CLEAR, planner.internal.phase);
         expect_as_if_new();
         work_until_clearing(i == 0);
         expect_start(JP_OK, 5, 5, 0);
+        TEST_ASSERT_EQUAL_INT(i == 0 ? JP_PLANNER_CLEAR : JP_PLANNER_GROW_FIELD, planner.internal.phase);
         expect_as_if_new();
     }
 }
