@@ -1036,3 +1036,16 @@ static void test_check_of_the_largest_prices_of_grounds(void)
         expect_bad("ground");
     }
 }
+
+/* The finest resolution there is passes. */
+static void test_check_of_the_finest_resolution(void)
+{
+    copy.resolution = 1;
+    expect_sound();
+    copy.resolution = INT32_MAX;
+    expect_sound();
+    copy.resolution = 0;
+    expect_bad("resolution");
+    copy.resolution = -1;
+    expect_bad("resolution");
+}

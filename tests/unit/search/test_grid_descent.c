@@ -131,6 +131,8 @@ static unsigned expect_best_steps(int32_t pace)
             const uint32_t least = least_around(&before, before_cost, pace);
 
             TEST_ASSERT_TRUE(inner->place_cost < before_cost);
+            TEST_ASSERT_INT32_WITHIN(ONE, before.x, inner->place.x);
+            TEST_ASSERT_INT32_WITHIN(ONE, before.y, inner->place.y);
             TEST_ASSERT_TRUE(least < UINT32_MAX);
             TEST_ASSERT_LESS_OR_EQUAL_UINT32(least + inner->straight / 1000U, total);
             steps++;

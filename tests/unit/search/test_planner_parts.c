@@ -707,3 +707,70 @@ static void test_keys_of_a_box_are_computed_anew(void)
     }
     TEST_ASSERT_GREATER_THAN_UINT32(2, queued);
 }
+
+/* ---- What is taken over, and told ---- */
+
+/* The lattice before may be overwritten: nothing looks at it any more. */
+static void test_all_parts_take_another_lattice(void)
+{
+    const struct jp_lattice dearer = dearer_driving();
+
+    plan_exactly();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_lattice(&planner, &dearer));
+    TEST_ASSERT_EQUAL_PTR(&dearer, inner->config.lattice);
+    TEST_ASSERT_EQUAL_PTR(&dearer, inner->guide.lattice);
+    TEST_ASSERT_EQUAL_PTR(&dearer, inner->field.lattice);
+    TEST_ASSERT_EQUAL_PTR(&dearer, inner->turn_field.lattice);
+    TEST_ASSERT_EQUAL_PTR(&dearer, jp_planner_lattice(&planner));
+}
+
+/* Also while the plan is checked, and not before the search has begun. */
+static void test_states_are_told_as_long_as_there_is_a_search(void)
+{
+    plan_exactly();
+    for (int phase = JP_PLANNER_EMPTY; phase <= JP_PLANNER_SETTLED; phase++) {
+        for (int lent = JP_PLANNER_LENT_TO_NONE; lent <= JP_PLANNER_LENT_TO_REHEARSALS; lent++) {
+            struct jp_lattice_pose pose;
+            uint32_t slot = 0;
+            uint32_t count = 0;
+            bool is_open;
+
+            inner->phase = (enum jp_planner_phase)phase;
+            inner->lent = (enum jp_planner_lent)lent;
+            while (jp_planner_next_state(&planner, &slot, &pose, &is_open)) {
+                count++;
+            }
+            TEST_ASSERT_EQUAL_UINT32(phase > JP_PLANNER_CLEAR && lent == 0 ? inner->search.state_count : 0, count);
+        }
+    }
+}
+
+/* Of each route 256 steps, and one for every 32 cells of the map. */
+static void test_memory_of_the_routes(void)
+{
+    for (uint16_t height = HEIGHT; height <= HEIGHT_MAX; height++) {
+        map.height = height;
+        make_level_map(&map);
+        start_planner(PLANNER_BYTES);
+        const unsigned steps = 256U + (unsigned)WIDTH * height / 32U;
+
+        TEST_ASSERT_EQUAL_UINT32((steps + 7U) / 8U * 8U, inner->route_max);
+        TEST_ASSERT_EQUAL_PTR(inner->block, inner->route);
+        TEST_ASSERT_EQUAL_PTR(inner->block + inner->route_max, inner->spare_route);
+    }
+}
+
+/* A robot that has left its plan: nothing is known of its routes. */
+static void test_what_a_robot_off_its_plan_makes_unknown(void)
+{
+    plan_exactly();
+    inner->effort.spent = 40;
+    inner->effort.has_cut = true;
+    expect_start(JP_OK, 5, 5, 0);
+    TEST_ASSERT_EQUAL_UINT32(0, inner->least);
+    TEST_ASSERT_EQUAL_UINT32(0, inner->effort.spent);
+    TEST_ASSERT_FALSE(inner->effort.has_cut);
+    TEST_ASSERT_TRUE(inner->search.is_repaired);
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OUT_OF_BUDGET, inner->answer);
+    expect_true_answer(finish());
+}
