@@ -345,3 +345,88 @@ static void test_budget_of_the_cut(void)
         TEST_ASSERT_EQUAL_UINT32(0, planner.internal.cut.slot);
     }
 }
+
+/* ---- What a repair looks at ---- */
+
+enum { FAR = 150 };
+
+static bool is_swept(const struct jp_lattice *of, unsigned heading, int32_t x, int32_t y)
+{
+    const struct jp_cells reach = of->reach[heading];
+
+    for (unsigned i = 0; i < planner.internal.changes.count; i++) {
+        const struct jp_cell_change *change = &planner.internal.changes.cells[i];
+
+        for (unsigned k = 0; k < reach.span_count; k++) {
+            const struct jp_span *span = &of->spans[reach.first_span + k];
+
+            if (change->y - y == span->y && change->x - x >= span->first && change->x - x <= span->last) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static unsigned swept_cells(const struct jp_lattice *of, unsigned heading)
+{
+    unsigned count = 0;
+
+    for (int32_t y = -FAR; y <= FAR; y++) {
+        bool has_row = false;
+
+        for (unsigned k = 0; k < of->reach[heading].span_count && !has_row; k++) {
+            for (unsigned i = 0; i < planner.internal.changes.count; i++) {
+                has_row = has_row ||
+                          planner.internal.changes.cells[i].y - y == of->spans[of->reach[heading].first_span + k].y;
+            }
+        }
+        for (int32_t x = -FAR; has_row && x <= FAR; x++) {
+            count += is_swept(of, heading, x, y);
+        }
+    }
+    return count;
+}
+
+/* Each pose from which a primitive may sweep a changed cell, once, however far primitives reach; in slices as in one.
+ */
+static void test_repair_looks_at_all_that_sweeps_a_changed_cell(void)
+{
+    static const struct jp_span spans[] = {{-70, -100, 30}, {0, -100, 100}, {90, 5, 5},       {1, -63, 0}, {-1, 0, 64},
+                                           {64, -127, 127}, {-127, 3, 66},  {127, -127, -64}, {0, 0, 0}};
+    static const struct jp_cell_change cells[] = {{8, 4}, {9, 4}, {15, 7}, {2, 0}};
+    struct jp_planner_internal *inner = &planner.internal;
+    struct jp_lattice wide = *lattice;
+    unsigned slots = UINT16_MAX;
+
+    begin();
+    expect_optimal();
+    inner->search.clear_slot = 0;
+    TEST_ASSERT_TRUE(jp_planner_states_clear(&inner->search, &slots));
+    wide.spans = spans;
+    inner->config.lattice = &wide;
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        wide.reach[heading] =
+            (struct jp_cells){(uint16_t)(heading % 9U), (uint16_t)(1U + heading % (9U - heading % 9U))};
+    }
+    for (uint16_t count = 1; count <= 4U; count++) {
+        unsigned expected = 0;
+        unsigned states = 100000;
+
+        memcpy(inner->changes.cells, cells, sizeof cells);
+        inner->changes.count = count;
+        inner->changes.may_be_cheaper = false;
+        inner->changes.cursor = 0;
+        for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+            expected += swept_cells(&wide, heading);
+        }
+        TEST_ASSERT_EQUAL_INT(REPAIR_DONE, jp_repair_work(inner, &states));
+        TEST_ASSERT_EQUAL_UINT32(expected, 100000U - states);
+        inner->changes.cursor = 0;
+        for (unsigned left = expected; left > 0U; left -= left < 37U ? left : 37U) {
+            states = left < 37U ? left : 37U;
+            TEST_ASSERT_EQUAL_INT(left <= 37U ? REPAIR_DONE : REPAIR_WORKING, jp_repair_work(inner, &states));
+            TEST_ASSERT_EQUAL_UINT32(0, states);
+        }
+    }
+}
