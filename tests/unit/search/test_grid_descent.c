@@ -610,3 +610,93 @@ static void test_memory_of_the_planes(void)
         TEST_ASSERT_EQUAL_PTR(&inner->candidate.points[inner->points_max], inner->queue);
     }
 }
+
+/* ---- Slopes ---- */
+
+/* Of a grade in 1/1024 what is given of the grades 1/32 apart, linear between them; beyond one half as of one half. */
+static uint32_t part_of_grade(int32_t grade)
+{
+    const int32_t within = grade < -512 ? -512 : grade > 512 ? 512 : grade;
+    const int32_t index = (within + 512) / 32;
+    const int32_t rest = (within + 512) % 32;
+    const int64_t first = (int64_t)prices.slope[index] * 256 / METRE;
+    const int64_t next = index < 32 ? (int64_t)prices.slope[index + 1] * 256 / METRE : 0;
+    const int64_t more = (next - first) * rest;
+
+    return (uint32_t)(first + (more >= 0 ? more / 32 : -((31 - more) / 32)));
+}
+
+/* A step up or down costs as much more as the map is steep there, for both of its halves; exactly along the axes. */
+static void test_steps_cost_as_much_more_as_they_are_steep(void)
+{
+    map = (struct jp_terrain_config){.width = 5, .height = 5, .resolution = JP_Q16_ONE, .has_elevation = true};
+    make_level_map(&map);
+    memset(prices.near, 0, sizeof prices.near);
+    for (unsigned i = 0; i < JP_GRID_GRADES; i++) {
+        prices.slope[i] = (jp_q16)pick(6 * METRE);
+    }
+    config.prices = &prices;
+    begin(JP_GRID_OCTILE, 0, 0, 1, 0);
+    awaited = JP_GRID_SEARCH;
+    work_until(is_awaited);
+    for (int32_t rise = -600; rise <= 600; rise += 13) {
+        for (unsigned direction = 0; direction < GRID_DIRECTIONS; direction++) {
+            const struct jp_grid_direction *d = &jp_grid_directions[direction];
+            const bool is_diagonal = direction % 2U != 0U;
+
+            /* Of a diagonal step a plane that rises along it: over a corner half as high as its end. */
+            for (int32_t i = 0; i < 25; i++) {
+                const int32_t along = (i % 5 - 2) * d->dx + (i / 5 - 2) * d->dy;
+
+                TEST_ASSERT_EQUAL_INT(JP_OK,
+                                      jp_terrain_set_elevation(&terrain, i % 5, i / 5, (jp_elevation)(along * rise)));
+            }
+            const uint32_t cost = jp_grid_step_cost(&planner.internal, 2, 2, direction);
+
+            if (!is_diagonal) {
+                TEST_ASSERT_EQUAL_UINT32(4096U * (2U * 256U + 2U * part_of_grade(rise)) / 512U, cost);
+            } else {
+                const int32_t grade = (int32_t)(((int64_t)rise * 92682) >> 16); /* twice the rise over √2 */
+                const uint32_t low = part_of_grade(grade);
+                const uint32_t high = part_of_grade(grade + 1);
+                const uint32_t least = low < high ? low : high;
+                const uint32_t most = low < high ? high : low;
+
+                TEST_ASSERT_GREATER_OR_EQUAL_UINT32(5793U * (256U + least) / 256U - 24U, cost);
+                TEST_ASSERT_LESS_OR_EQUAL_UINT32(5793U * (256U + most) / 256U + 24U, cost);
+            }
+        }
+    }
+}
+
+/* A line over a plane costs its length by the price of the plane's grade, there and back. */
+static void test_lines_cost_as_much_more_as_they_are_steep(void)
+{
+    map = (struct jp_terrain_config){.width = 6, .height = 5, .resolution = JP_Q16_ONE, .has_elevation = true};
+    make_level_map(&map);
+    memset(prices.near, 0, sizeof prices.near);
+    for (unsigned i = 0; i < JP_GRID_GRADES; i++) {
+        prices.slope[i] = (jp_q16)pick(6 * METRE);
+    }
+    config.prices = &prices;
+    begin(JP_GRID_OCTILE, 0, 0, 1, 0);
+    awaited = JP_GRID_SEARCH;
+    work_until(is_awaited);
+    for (int32_t rise = -448; rise <= 448; rise += 32) {
+        for (int32_t i = 0; i < 30; i++) {
+            TEST_ASSERT_EQUAL_INT(JP_OK,
+                                  jp_terrain_set_elevation(&terrain, i % 6, i / 6, (jp_elevation)(rise * (i % 6))));
+        }
+        for (int32_t length = 16384; length <= 4 * JP_Q16_ONE; length += 16384) {
+            const struct jp_point from = {JP_Q16_ONE / 2, 2 * JP_Q16_ONE + 20000};
+            const struct jp_point to = {from.x + length, from.y};
+            const uint64_t up = (uint64_t)length * (256U + part_of_grade(rise));
+            const uint64_t down = (uint64_t)length * (256U + part_of_grade(-rise));
+
+            TEST_ASSERT_UINT32_WITHIN((uint32_t)(up / 300U), (uint32_t)up,
+                                      (uint32_t)jp_grid_line_price(&planner.internal, &from, &to));
+            TEST_ASSERT_UINT32_WITHIN((uint32_t)(down / 300U), (uint32_t)down,
+                                      (uint32_t)jp_grid_line_price(&planner.internal, &to, &from));
+        }
+    }
+}
