@@ -93,6 +93,10 @@ static void test_is_there_already(void)
     struct jp_way_cell cell = {5, 6};
 
     TEST_ASSERT_EQUAL_INT(JP_OK, start(5, 6, 5, 6));
+    TEST_ASSERT_EQUAL_INT(JP_WAY_FOUND, jp_lattice_way_work(&way, 0)); /* without a look */
+    TEST_ASSERT_EQUAL_INT(JP_OK, start(5, 6, 5, 7));
+    TEST_ASSERT_EQUAL_INT(JP_WAY_WORKING, jp_lattice_way_work(&way, 0));
+    TEST_ASSERT_EQUAL_INT(JP_OK, start(5, 6, 5, 6));
     TEST_ASSERT_EQUAL_INT(JP_WAY_FOUND, jp_lattice_way_work(&way, 1));
     TEST_ASSERT_FALSE(jp_lattice_way_next(&way, &cell));
     TEST_ASSERT_EQUAL_INT(5, cell.x);
