@@ -516,6 +516,13 @@ static void test_what_is_left_of_budgets(void)
     jp_plan_begin_check(inner);
     TEST_ASSERT_TRUE(jp_slice_check_plan(inner, &budget));
     expect_left(STEPS, 8, budget);
+    jp_plan_begin_check(inner);
+    for (unsigned i = 0; i <= (unsigned)STEPS; i++) {
+        unsigned steps = 1; /* are enough for one */
+
+        TEST_ASSERT_EQUAL_INT(i == (unsigned)STEPS, jp_plan_check(inner, &steps));
+        TEST_ASSERT_EQUAL_UINT32(i == (unsigned)STEPS ? 1 : 0, steps);
+    }
     budget = 1000;
     jp_fields_start(inner);
     TEST_ASSERT_TRUE(jp_slice_grow_fields(inner, &budget));
@@ -596,6 +603,8 @@ static void test_what_a_change_makes_unknown(void)
         TEST_ASSERT_TRUE(inner->search.is_repaired);
         TEST_ASSERT_EQUAL_INT(JP_ANSWER_OUT_OF_BUDGET, inner->answer);
         expect_true_answer(finish());
+        TEST_ASSERT_FALSE(inner->changes.may_be_cheaper);
+        TEST_ASSERT_EQUAL_UINT32(0, inner->changes.count);
     }
     jp_start_over(inner);
     TEST_ASSERT_EQUAL_UINT32(0, inner->least);
