@@ -286,7 +286,6 @@ bool jp_guide_field_grow(struct jp_guide_field *field, unsigned *units)
             clear(field);
             field->debt = WAVE_CELL;
         } else if (advance(field)) {
-            field->debt = 0;
             return true;
         } else {
             field->debt = WAVE_CELL; /* for a cell, or for looking where there was none */

@@ -310,7 +310,8 @@ bool jp_pose_field_next(const struct jp_pose_field *field, struct jp_lattice_pos
 {
     const jp_cost here = jp_pose_field_cost(field, pose->x, pose->y, pose->heading);
 
-    return here != JP_COST_MAX && here != 0U && (next_by_step(field, pose, here) || next_by_turn(field, pose, here));
+    /* No motion is for nothing: none leads on from a root. */
+    return here != JP_COST_MAX && (next_by_step(field, pose, here) || next_by_turn(field, pose, here));
 }
 
 bool jp_pose_field_is_outdated(const struct jp_pose_field *field)

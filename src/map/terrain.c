@@ -205,8 +205,7 @@ jp_elevation jp_terrain_elevation(const struct jp_terrain *terrain, int32_t x, i
 /** Between which two middles of cells of a row or a column a place lies. */
 struct between {
     int32_t low;
-    int32_t high;
-    int32_t share; /* of the way from the one to the other, Q16 */
+    int32_t share; /* of the way from the one to the next, Q16; 0 at the last */
 };
 
 static struct between middles(jp_q16 place, jp_q16 cell, int32_t count)
@@ -217,14 +216,14 @@ static struct between middles(jp_q16 place, jp_q16 cell, int32_t count)
     const int32_t at = (int32_t)(within < last ? within : last);
     const int32_t low = at / 65536;
 
-    return (struct between){low, low + 1 < count ? low + 1 : low, at % 65536};
+    return (struct between){low, at % 65536};
 }
 
 /** Along a row, elevation in Q16. */
 static int64_t height_in_row(const struct jp_terrain *terrain, const struct between *across, int32_t y)
 {
     const int64_t west = terrain_elevation(terrain, across->low, y);
-    const int64_t east = terrain_elevation(terrain, across->high, y);
+    const int64_t east = terrain_elevation(terrain, across->low + 1, y);
 
     return west * 65536 + (east - west) * across->share;
 }
@@ -235,7 +234,7 @@ jp_q16 jp_terrain_height(const struct jp_terrain *terrain, const struct jp_point
     const struct between across = middles(point->x, config->resolution, config->width);
     const struct between up = middles(point->y, config->resolution, config->height);
     const int64_t south = height_in_row(terrain, &across, up.low);
-    const int64_t north = height_in_row(terrain, &across, up.high);
+    const int64_t north = height_in_row(terrain, &across, up.low + 1);
 
     return (jp_q16)((south * 65536 + (north - south) * up.share) / ((int64_t)JP_ELEVATION_ONE * 65536));
 }

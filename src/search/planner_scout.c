@@ -21,7 +21,6 @@ void jp_scout_call(struct jp_planner_internal *planner, bool is_splicing)
     planner->search.direction = JP_PLANNER_FROM_GOAL;
     planner->search.level = 0;
     planner->search.epsilon = SPLICE_EPSILON;
-    planner->search.is_exact = false;
     planner->search.is_repaired = false;
     planner->is_splicing = is_splicing;
     if (!is_splicing) {

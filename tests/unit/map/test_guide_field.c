@@ -426,3 +426,125 @@ static void test_no_way_leads_round_the_edges(void)
         }
     }
 }
+
+/* ---- A robot of a cell ---- */
+
+static struct jp_lattice small;
+
+static void init_small(const struct jp_terrain_config *config, unsigned scale)
+{
+    static const struct jp_span own_cell = {0, 0, 0};
+
+    small = *lattice;
+    small.spans = &own_cell;
+    small.core = (struct jp_cells){0, 1};
+    make_level_map(config);
+    jp_guide_field_init(&guide, &small, JP_COST_PHYSICAL, &terrain, &turns, scale, block);
+}
+
+static jp_elevation plateau(int32_t x, int32_t y)
+{
+    (void)x;
+    (void)y;
+    return 150;
+}
+
+/* High ground is as level as low ground, up to the far edges, where coarse cells are not whole. */
+static void test_a_plateau_is_level_to_its_edges(void)
+{
+    static jp_cost low[13 * 11];
+    static const struct jp_guide_root root = {6, 5, JP_ANY_HEADING};
+
+    for (uint16_t width = 11; width <= 13; width++) {
+        for (unsigned scale = 1; scale <= 6; scale++) {
+            const struct jp_terrain_config odd = {
+                .width = width, .height = 11, .resolution = JP_Q16(0.2), .has_elevation = true};
+
+            for (unsigned is_high = 0; is_high < 2U; is_high++) {
+                init_small(&odd, scale);
+                if (is_high == 1U) {
+                    raise_map(plateau);
+                }
+                grow(JP_GUIDE_FROM_ROOT, &root);
+                for (int32_t i = 0; i < width * 11; i++) {
+                    const jp_cost cost = estimate(i % width, i / width, 2);
+
+                    TEST_ASSERT_EQUAL_UINT32(is_high == 1U ? low[i] : cost, cost);
+                    low[i] = cost;
+                }
+            }
+        }
+    }
+}
+
+static uint32_t units_to_grow(uint32_t *loan)
+{
+    static const struct jp_guide_root root = {8, 8, JP_ANY_HEADING};
+    unsigned units = 100000;
+
+    jp_guide_field_start(&guide, JP_GUIDE_FROM_ROOT, &root, 0, 0);
+    if (loan != NULL) {
+        jp_guide_field_lend(&guide, loan);
+    }
+    TEST_ASSERT_TRUE(jp_guide_field_grow(&guide, &units));
+    return 100000U - units;
+}
+
+/* Neighbours of the root's coarse cell that are on the map. */
+static uint32_t neighbours_of_root(int32_t scale)
+{
+    uint32_t count = 0;
+
+    for (unsigned i = 0; i < JP_MOVE_DIRECTIONS; i++) {
+        const int32_t x = (8 / scale + jp_move_offsets[i].dx) * scale;
+        const int32_t y = (8 / scale + jp_move_offsets[i].dy) * scale;
+
+        count += x >= 0 && x < SIDE && y >= 0 && y < SIDE;
+    }
+    return count;
+}
+
+/* What is looked at is paid for: of a coarse cell that cannot be left, a neighbour in each direction, and for it a cell
+ * of the map beside each cell; with a loan a row of it beside each row. */
+static void test_all_that_is_looked_at_is_paid_for(void)
+{
+    enum { NEIGHBOUR = 4, CELL_LOOK = 4, WAVE_STEP = 64 };
+    static uint32_t loan[SIDE];
+
+    for (unsigned scale = 1; scale <= 4; scale *= 2) {
+        init_small(&map, scale);
+        for (int32_t x = 0; x < SIDE; x++) {
+            put_column(x, 0, SIDE - 1, JP_CELL_OCCUPIED);
+        }
+        const uint32_t with_cells = units_to_grow(NULL);
+        const uint32_t with_rows = units_to_grow(loan);
+        const uint32_t neighbours = neighbours_of_root((int32_t)scale);
+        const uint32_t looks = JP_MOVE_DIRECTIONS + neighbours * (NEIGHBOUR + scale * scale * CELL_LOOK);
+
+        /* A step of the wave each for clearing, for the cell, and for what is looked at in vain at last. */
+        TEST_ASSERT_GREATER_OR_EQUAL_UINT32(looks + 2U * WAVE_STEP, with_cells);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(looks + 6U * WAVE_STEP, with_cells);
+        TEST_ASSERT_EQUAL_UINT32(with_cells + SIDE, with_rows + neighbours * scale * (scale * CELL_LOOK - 1U));
+    }
+}
+
+/* And nothing more, once it has grown. */
+static void test_a_grown_guide_takes_no_more(void)
+{
+    unsigned units = 500;
+
+    grow(JP_GUIDE_FROM_ROOT, &west);
+    TEST_ASSERT_TRUE(jp_guide_field_grow(&guide, &units));
+    TEST_ASSERT_EQUAL_UINT32(500, units);
+}
+
+/* Of two cells a byte the last one has half a byte of its own, which a block that is aligned may have no room for. */
+static void test_size_of_cells_that_fill_words(void)
+{
+    for (uint16_t width = 15; width <= 18; width++) {
+        const struct jp_terrain_config row = {.width = width, .height = 1, .resolution = JP_Q16(0.2)};
+
+        TEST_ASSERT_TRUE(jp_guide_field_size(&row, 1) - jp_wavefront_size(width, 1, JP_WAVE_2_BYTES) >=
+                         (width + 1U) / 2U);
+    }
+}

@@ -918,3 +918,134 @@ static void test_straight_bound_of_each_unit_step(void)
         TEST_ASSERT_TRUE((length - 1) * (length - 1) < square << 32);
     }
 }
+
+/* The reach of each heading holds what its primitives sweep. */
+static void test_check_of_the_reach_of_every_heading(void)
+{
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        copy.reach[heading].span_count = 0;
+        expect_bad("spans");
+        reset_copy();
+    }
+}
+
+/* Grounds that the map does not tell apart charge nothing, whatever their prices are, not even the dearest step. */
+static void test_grounds_that_are_not_on_the_map_charge_nothing(void)
+{
+    const struct jp_terrain_config config = {
+        .width = GROUND_SIDE, .height = GROUND_SIDE, .resolution = JP_Q16(0.2), .has_costs = true};
+    const char *field = NULL;
+
+    make_grounds();
+    copy.ground[0] = copy.ground[MUD];
+    copy.move_costs[JP_COST_PHYSICAL][JP_MOVE_AXIS].floor = UINT16_MAX;
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_terrain_init(&terrain, &config, block, sizeof block, &field));
+    TEST_ASSERT_EQUAL_UINT32(2U * UINT16_MAX + 60000U, cost_on_grounds(JP_COST_PHYSICAL, 60000));
+}
+
+/* Nor of a cost of another kind. */
+static void test_grounds_charge_no_other_kind_of_the_dearest_step(void)
+{
+    make_grounds();
+    copy.ground[0] = copy.ground[MUD];
+    for (unsigned kind = JP_COST_PAPER; kind < (unsigned)JP_COST_KINDS; kind++) {
+        copy.move_costs[kind][JP_MOVE_AXIS].floor = UINT16_MAX;
+        TEST_ASSERT_EQUAL_UINT32(2U * UINT16_MAX + 60000U, cost_on_grounds((enum jp_cost_kind)kind, 60000));
+    }
+}
+
+/* ---- Spans ---- */
+
+enum { FARTHEST = 16, ROWS = 2 * FARTHEST + 1 };
+
+static struct jp_span own_spans[2 * PRIMITIVES_MAX + ROWS + 1];
+
+/* A robot of a cell: each primitive sweeps its first cell and its last, and a heading's reach is all that is near. */
+static void make_small_copy(void)
+{
+    const unsigned count = count_of(&copy);
+    const struct jp_cells reach = {(uint16_t)(2U * count), ROWS};
+
+    for (unsigned i = 0; i < count; i++) {
+        primitives[i].first_span = (uint16_t)(2U * i);
+        primitives[i].span_count = 2;
+        own_spans[2U * i] = (struct jp_span){0, 0, 0};
+        own_spans[2U * i + 1U] = (struct jp_span){primitives[i].dy, primitives[i].dx, primitives[i].dx};
+    }
+    for (int row = 0; row < ROWS; row++) {
+        own_spans[2U * count + (unsigned)row] = (struct jp_span){(int8_t)(row - FARTHEST), -FARTHEST, FARTHEST};
+    }
+    own_spans[2U * count + ROWS] = (struct jp_span){0, 0, 0};
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        copy.reach[heading] = reach;
+        copy.sides[heading] = (struct jp_cell_offset){0, 0};
+    }
+    copy.core = (struct jp_cells){(uint16_t)(2U * count + ROWS), 1};
+    copy.spans = own_spans;
+}
+
+static void expect_sound(void)
+{
+    const char *field = "none";
+
+    TEST_ASSERT_EQUAL_INT32(JP_OK, jp_lattice_check(&copy, &field));
+}
+
+static void expect_bad_span(unsigned index, struct jp_span span)
+{
+    make_small_copy();
+    own_spans[index] = span;
+    expect_bad("spans");
+}
+
+/* Whichever of them it is of whichever primitive: it lies within the reach, and both ends are swept. */
+static void test_check_of_every_span(void)
+{
+    make_small_copy();
+    expect_sound();
+    for (unsigned i = 0; i < 2U * count_of(&copy); i++) {
+        const struct jp_span kept = own_spans[i];
+        const bool is_in_place = primitives[i / 2U].move_count == 0U;
+
+        expect_bad_span(i, (struct jp_span){kept.y, -FARTHEST - 1, kept.last});
+        expect_bad_span(i, (struct jp_span){kept.y, kept.first, FARTHEST + 1});
+        if (!is_in_place) { /* else the other one holds both ends */
+            expect_bad_span(i, (struct jp_span){kept.y, (int8_t)(kept.first + 1), FARTHEST});
+            expect_bad_span(i, (struct jp_span){kept.y, -FARTHEST, (int8_t)(kept.last - 1)});
+            expect_bad_span(i, (struct jp_span){(int8_t)(kept.y + 1), kept.first, kept.last});
+        }
+        make_small_copy();
+    }
+    for (unsigned row = 0; row < ROWS; row++) {
+        expect_bad_span(2U * count_of(&copy) + row, (struct jp_span){0, FARTHEST, FARTHEST - 1}); /* none */
+    }
+    make_small_copy();
+    copy.core.span_count = 0;
+    expect_bad("spans");
+}
+
+/* The largest shares there are pass. */
+static void test_check_of_the_largest_prices_of_grounds(void)
+{
+    for (unsigned i = 0; i < JP_GROUND_CLASSES; i++) {
+        copy.ground[i] = (struct jp_ground_price){JP_GROUND_SHARE_MAX, JP_GROUND_SHARE_MAX};
+        expect_sound();
+        copy.ground[i].straight++;
+        expect_bad("ground");
+        copy.ground[i].turning = JP_GROUND_SHARE_MAX + 1U;
+        expect_bad("ground");
+    }
+}
+
+/* The finest resolution there is passes. */
+static void test_check_of_the_finest_resolution(void)
+{
+    copy.resolution = 1;
+    expect_sound();
+    copy.resolution = INT32_MAX;
+    expect_sound();
+    copy.resolution = 0;
+    expect_bad("resolution");
+    copy.resolution = -1;
+    expect_bad("resolution");
+}

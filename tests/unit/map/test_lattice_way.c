@@ -93,6 +93,10 @@ static void test_is_there_already(void)
     struct jp_way_cell cell = {5, 6};
 
     TEST_ASSERT_EQUAL_INT(JP_OK, start(5, 6, 5, 6));
+    TEST_ASSERT_EQUAL_INT(JP_WAY_FOUND, jp_lattice_way_work(&way, 0)); /* without a look */
+    TEST_ASSERT_EQUAL_INT(JP_OK, start(5, 6, 5, 7));
+    TEST_ASSERT_EQUAL_INT(JP_WAY_WORKING, jp_lattice_way_work(&way, 0));
+    TEST_ASSERT_EQUAL_INT(JP_OK, start(5, 6, 5, 6));
     TEST_ASSERT_EQUAL_INT(JP_WAY_FOUND, jp_lattice_way_work(&way, 1));
     TEST_ASSERT_FALSE(jp_lattice_way_next(&way, &cell));
     TEST_ASSERT_EQUAL_INT(5, cell.x);
@@ -238,4 +242,106 @@ static void test_block_of_its_size(void)
         JP_OK, jp_lattice_way_start(&way, lattice, &terrain, &here, &there, block, jp_lattice_way_size(&map)));
     TEST_ASSERT_EQUAL_UINT32(0xFFFF, way.alike);
     TEST_ASSERT_EQUAL_INT(JP_WAY_FOUND, answer(7));
+}
+
+/* ---- A robot of a cell ---- */
+
+static struct jp_lattice small;
+static struct jp_primitive steps[JP_HEADINGS];
+static struct jp_span spans[2 * JP_HEADINGS];
+
+/* A step sweeps the cells where it begins and ends, in the same order there and back. */
+static void make_small(void)
+{
+    static uint8_t own_moves[JP_HEADINGS];
+
+    small = *lattice;
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        const struct jp_cell_offset to = jp_move_offsets[heading];
+        const struct jp_span end = {to.dy, to.dx, to.dx};
+        const unsigned first = heading < JP_HEADINGS / 2U ? 0U : 1U;
+
+        own_moves[heading] = (uint8_t)heading;
+        steps[heading] = (struct jp_primitive){.start = (uint8_t)heading,
+                                               .end = (uint8_t)heading,
+                                               .dx = to.dx,
+                                               .dy = to.dy,
+                                               .first_move = (uint16_t)heading,
+                                               .move_count = 1,
+                                               .first_span = (uint16_t)(2U * heading),
+                                               .span_count = 2};
+        spans[2U * heading + first] = (struct jp_span){0, 0, 0};
+        spans[2U * heading + 1U - first] = end;
+        small.first_from[heading + 1U] = (uint16_t)(heading + 1U);
+    }
+    small.primitives = steps;
+    small.moves = own_moves;
+    small.spans = spans;
+    lattice = &small;
+}
+
+static void block_half(void)
+{
+    for (int32_t i = 0; i < SIDE * SIDE; i++) {
+        const bool is_free = random_below(100) < 55U;
+
+        TEST_ASSERT_EQUAL_INT(
+            JP_OK, jp_terrain_set_cell(&terrain, i % SIDE, i / SIDE, is_free ? JP_CELL_FREE : JP_CELL_OCCUPIED));
+    }
+}
+
+static void expect_ways(uint16_t alike)
+{
+    unsigned found = 0;
+
+    for (unsigned i = 0; i < MAPS; i++) {
+        block_half();
+        found += expect_as_oracle(1U + random_below(50)) ? 1U : 0U;
+        TEST_ASSERT_EQUAL_HEX32(alike, way.alike);
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(MAPS / 8, found);
+    TEST_ASSERT_LESS_THAN_UINT32(MAPS, found);
+}
+
+/* Steps that sweep the same there and back are known by all of their cells. */
+static void test_steps_that_sweep_more_on_the_way_back(void)
+{
+    make_small();
+    expect_ways(0xFFFF);
+    spans[2 * 8 + 1].last = 1; /* west of the step to the west its begin, and the cell behind it */
+    expect_ways(0xFFFF & ~(1U << 8 | 1U << 0));
+    make_small();
+    spans[2 * 4 + 1].first = -1; /* north, beside its end */
+    expect_ways(0xFFFF & ~(1U << 4 | 1U << 12));
+    make_small();
+    spans[2 * 14 + 1].y = 1;
+    expect_ways(0xFFFF & ~(1U << 14 | 1U << 6));
+    make_small();
+    steps[3].span_count = 1;
+    expect_ways(0xFFFF & ~(1U << 3 | 1U << 11));
+}
+
+/* A front of a single cell that is the first of its word, with empty words before and behind. */
+static void test_along_the_first_cells_of_the_words(void)
+{
+    const struct jp_terrain_config narrow = {.width = 32, .height = 18, .resolution = lattice->resolution};
+    struct jp_way_cell cell = {0, 0};
+
+    make_small();
+    map = narrow;
+    make_level_map(&map);
+    for (int32_t x = 1; x < map.width; x++) {
+        put_column(x, 0, map.height - 1, JP_CELL_OCCUPIED);
+    }
+    for (unsigned looks = 1; looks < 40; looks += 6) {
+        cell = (struct jp_way_cell){0, 0};
+        TEST_ASSERT_EQUAL_INT(JP_OK, start(0, 0, 0, 17));
+        TEST_ASSERT_EQUAL_INT(JP_WAY_FOUND, answer(looks));
+        for (int16_t y = 1; y <= 17; y++) {
+            TEST_ASSERT_TRUE(jp_lattice_way_next(&way, &cell));
+            TEST_ASSERT_EQUAL_INT(y, cell.y);
+        }
+        TEST_ASSERT_EQUAL_INT(JP_OK, start(0, 17, 0, 0));
+        TEST_ASSERT_EQUAL_INT(JP_WAY_FOUND, answer(looks));
+    }
 }

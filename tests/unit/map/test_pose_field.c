@@ -416,3 +416,60 @@ static void test_each_step_is_charged_where_it_begins(void)
         TEST_ASSERT_TRUE(steps > 0U);
     }
 }
+
+/* A row is prepared for one heading at a time, which is counted as a pose for each 8 cells that are begun; then each
+ * pose that is reached is counted, few more than once. */
+static void test_what_it_takes_to_grow(void)
+{
+    enum { POSES_OF_A_ROW = WIDTH / 8 + 1 };
+    unsigned poses = 100000;
+    unsigned reached = 0;
+
+    raise_to_the_east();
+    init();
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_pose_field_start(&field, JP_POSE_FIELD_FROM_ROOT, 4, 3, 1U, LIMIT));
+    for (unsigned rows = 0; rows < HEIGHT * JP_HEADINGS; rows++) {
+        unsigned budget = POSES_OF_A_ROW;
+
+        TEST_ASSERT_EQUAL_UINT32(rows, field.prepared);
+        TEST_ASSERT_FALSE(jp_pose_field_grow(&field, &budget));
+        TEST_ASSERT_EQUAL_UINT32(0, budget);
+    }
+    TEST_ASSERT_EQUAL_UINT32(HEIGHT * JP_HEADINGS, field.prepared);
+    TEST_ASSERT_TRUE(jp_pose_field_grow(&field, &poses));
+    for (int32_t i = 0; i < POSES; i++) {
+        reached += jp_pose_field_cost(&field, i / JP_HEADINGS % WIDTH, i / JP_HEADINGS / WIDTH,
+                                      (unsigned)(i % JP_HEADINGS)) != JP_COST_MAX;
+    }
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(reached, 100000U - poses);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(reached + reached / 4U, 100000U - poses);
+    TEST_ASSERT_TRUE(jp_pose_field_grow(&field, &poses));
+}
+
+/* Steps over ground that takes more cost what the lattice says of them, with and without cells that multiply. */
+static void test_grounds_charge_steps(void)
+{
+    struct jp_lattice priced = *lattice;
+
+    priced.ground[1] = (struct jp_ground_price){JP_GROUND_ONE, 2U * JP_GROUND_ONE};
+    for (unsigned i = 0; i < 2U; i++) {
+        map = (struct jp_terrain_config){.width = WIDTH,
+                                         .height = HEIGHT,
+                                         .resolution = lattice->resolution,
+                                         .has_classes = true,
+                                         .has_costs = i == 1U};
+        make_level_map(&map);
+        for (int32_t cell = 0; cell < WIDTH * HEIGHT; cell++) {
+            (void)jp_terrain_set_class(&terrain, cell % WIDTH, cell / WIDTH, cell % WIDTH >= 6 ? 1 : 0);
+        }
+        TEST_ASSERT_EQUAL_INT(JP_OK,
+                              jp_pose_field_init(&field, &priced, JP_COST_PHYSICAL, &terrain, block, sizeof block));
+        start(JP_POSE_FIELD_FROM_ROOT, 4, 3, 1U, LIMIT);
+        jp_cost expected = 0;
+        for (int32_t x = 4; x < 9; x++) {
+            TEST_ASSERT_EQUAL_UINT32(expected, jp_pose_field_cost(&field, x, 3, 0));
+            expected += jp_lattice_cost(&priced, JP_COST_PHYSICAL, &terrain, jp_unit_step(&priced, 0), x, 3);
+        }
+        TEST_ASSERT_TRUE(expected > 5U * step_cost(0));
+    }
+}

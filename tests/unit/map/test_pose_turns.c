@@ -2,6 +2,7 @@
 #include "src/map/pose_turns.h"
 
 #include <joulepath/tables.h>
+#include <string.h>
 
 #define LEVEL_MAP_BYTES 512
 #include "tests/support/level_map.h"
@@ -134,4 +135,80 @@ static void test_turns_of_the_way_home_are_taken_backward(void)
     TEST_ASSERT_EQUAL_UINT32(field.turns.cost[1][6], there);
     start(JP_POSE_FIELD_TO_ROOT, false, THRESHOLD);
     TEST_ASSERT_EQUAL_UINT32(there, field.turns.cost[6][1]);
+}
+
+/* A curve may cost no more than its moves: a turn by it is not for nothing, so that no way goes round in circles. */
+static void test_no_turn_is_for_nothing(void)
+{
+    enum { PRIMITIVES_MAX = 160 };
+    static struct jp_primitive primitives[PRIMITIVES_MAX];
+    struct jp_lattice curves = jp_lattice_zhang2018;
+    struct jp_turns turns;
+    unsigned free_turns = 0;
+
+    TEST_ASSERT_TRUE(curves.first_from[JP_HEADINGS] <= PRIMITIVES_MAX);
+    memcpy(primitives, curves.primitives, curves.first_from[JP_HEADINGS] * sizeof *primitives);
+    for (unsigned i = 0; i < curves.first_from[JP_HEADINGS]; i++) {
+        const bool is_free = primitives[i].start < 4U && primitives[i].move_count > 0U;
+
+        primitives[i].base[JP_COST_PHYSICAL] = is_free ? 0U : primitives[i].base[JP_COST_PHYSICAL];
+    }
+    curves.primitives = primitives;
+    jp_lattice_turns(&curves, JP_COST_PHYSICAL, &turns);
+    for (unsigned sense = 0; sense < 2U; sense++) {
+        start((enum jp_pose_field_sense)sense, false, THRESHOLD);
+        jp_pose_field_set_lattice(&field, &curves);
+        jp_pose_turns_take(&field);
+        for (unsigned i = 0; i < JP_HEADINGS * JP_HEADINGS; i++) {
+            const unsigned from = i / JP_HEADINGS;
+            const unsigned to = i % JP_HEADINGS;
+            const uint16_t cost = turns.cost[from][to];
+
+            free_turns += from != to && cost == 0U;
+            TEST_ASSERT_EQUAL_UINT32(cost == 0U ? 1U : cost, sense == (unsigned)JP_POSE_FIELD_FROM_ROOT
+                                                                 ? field.turns.cost[from][to]
+                                                                 : field.turns.cost[to][from]);
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(0, free_turns);
+}
+
+/* A turn leads on where none by a third heading is as cheap. */
+static void test_turns_that_lead_on_have_none_between(void)
+{
+    unsigned single = 0;
+
+    start(JP_POSE_FIELD_FROM_ROOT, false, THRESHOLD);
+    for (unsigned seed = 0; seed < 40U; seed++) {
+        /* Random turns of the lattice: what costs least is theirs. */
+        static struct jp_primitive primitives[JP_HEADINGS * 4];
+        struct jp_lattice random = jp_lattice_zhang2018;
+
+        for (unsigned i = 0; i < JP_HEADINGS * 4U; i++) {
+            primitives[i] = (struct jp_primitive){.start = (uint8_t)(i / 4U),
+                                                  .end = (uint8_t)(target_random(&state) % JP_HEADINGS),
+                                                  .base = {(uint16_t)(1U + target_random(&state) % 9U)}};
+        }
+        random.primitives = primitives;
+        for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+            random.first_from[heading + 1U] = (uint16_t)(4U * heading + 4U);
+        }
+        jp_pose_field_set_lattice(&field, &random);
+        jp_pose_turns_take(&field);
+        for (unsigned i = 0; i < JP_HEADINGS * JP_HEADINGS; i++) {
+            const unsigned from = i / JP_HEADINGS;
+            const unsigned to = i % JP_HEADINGS;
+            const uint32_t cost = field.turns.cost[from][to];
+            bool leads_on = from != to && cost != UINT16_MAX;
+
+            for (unsigned by = 0; by < JP_HEADINGS; by++) {
+                const uint32_t over = (uint32_t)field.turns.cost[from][by] + field.turns.cost[by][to];
+
+                leads_on = leads_on && (by == from || by == to || over > cost);
+            }
+            TEST_ASSERT_EQUAL_INT(leads_on, ((unsigned)field.onward[from] >> to) & 1U);
+            single += leads_on;
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(40 * JP_HEADINGS, single);
 }

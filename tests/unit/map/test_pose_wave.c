@@ -314,3 +314,35 @@ static void test_looks_of_both_directions_are_counted(void)
     /* Of a sweep 8 cells and a heading, and the four other rows. */
     TEST_ASSERT_UINT32_WITHIN(6, 64U * (WIDTH - 1U + 1U + HEIGHT - 1U) / 32U, spent);
 }
+
+/* A row whose least pose has been dealt with meanwhile keeps what else it holds. */
+static void test_a_row_of_which_the_least_is_dealt_with_is_looked_at_again(void)
+{
+    lower(2, 1, 0, STEP / 2);
+    lower(6, 1, 4, 5 * STEP);
+    pose_deal(&wave, pose_cell(&wave, 2, 1), 1);
+    fresh[WIDTH + 2] = 0;
+    expect_next(6, 1, 1U << 4);
+    TEST_ASSERT_EQUAL_INT(JP_POSE_WAVE_STOPPED, next(1));
+}
+
+/* Of a sweep over three cells that are due what lies between them counts, either way, from wherever it goes on. */
+static void test_looks_between_cells_are_counted(void)
+{
+    const unsigned sweeps = 64;
+    unsigned spent = 0;
+
+    for (unsigned i = 0; i < sweeps; i++) {
+        for (int32_t x = 2; x < WIDTH; x += 3) {
+            lower(x, 2, 0, (uint16_t)(i + 1U));
+        }
+        for (unsigned cells = 0; cells < 3U; cells++) {
+            for (unsigned poses = 1; jp_pose_wave_next(&wave, &poses, &group) == JP_POSE_WAVE_WAITING; poses = 1) {
+                spent++;
+            }
+            deal(group.headings);
+        }
+    }
+    /* 6 cells and three headings; and the four other rows. */
+    TEST_ASSERT_UINT32_WITHIN(6, sweeps * (WIDTH - 3U + 3U + HEIGHT - 1U) / 32U, spent);
+}

@@ -150,3 +150,46 @@ static void test_random_maps(void)
     TEST_ASSERT_GREATER_THAN_UINT32(MAPS / 20, connected);
     TEST_ASSERT_GREATER_THAN_UINT32(MAPS / 20, apart);
 }
+
+/* ---- A robot of a cell ---- */
+
+static struct jp_lattice small;
+
+static enum jp_status start_small(int32_t x, int32_t y, int32_t target_x, int32_t target_y)
+{
+    static const struct jp_span own_cell = {0, 0, 0};
+
+    small = *lattice;
+    small.spans = &own_cell;
+    small.core = (struct jp_cells){0, 1};
+    return jp_reach_start(&reach, &small, &terrain, x, y, target_x, target_y, block, jp_reach_size(&map));
+}
+
+/* In just as much memory as it says, and no more. */
+static void test_block_of_its_size(void)
+{
+    block[jp_reach_size(&map) / 8U] = UINT64_C(0x5A5A5A5A5A5A5A5A);
+    TEST_ASSERT_EQUAL_INT(JP_OK, start_small(0, 0, SIDE - 1, SIDE - 1));
+    TEST_ASSERT_EQUAL_INT(JP_REACH_CONNECTED, answer(5));
+    TEST_ASSERT_TRUE(block[jp_reach_size(&map) / 8U] == UINT64_C(0x5A5A5A5A5A5A5A5A));
+}
+
+/* Two looks over all words end it, the second one because it finds nothing new: of two cells, the one in an earlier
+ * word is found in the first. */
+static void test_it_ends_when_a_look_over_all_finds_nothing_new(void)
+{
+    const unsigned words = SIDE * SIDE / 32;
+    unsigned spent = 0;
+
+    for (int32_t x = 0; x < SIDE; x++) {
+        put_column(x, 0, SIDE - 1, JP_CELL_OCCUPIED);
+    }
+    put_column(12, 10, 11, JP_CELL_FREE);
+    TEST_ASSERT_TRUE((10 * SIDE + 12) / 32 < (11 * SIDE + 12) / 32);
+    TEST_ASSERT_EQUAL_INT(JP_OK, start_small(12, 11, 0, 0));
+    while (jp_reach_work(&reach, 1) == JP_REACH_WORKING) {
+        spent++;
+    }
+    TEST_ASSERT_EQUAL_INT(JP_REACH_NONE, jp_reach_work(&reach, 1));
+    TEST_ASSERT_EQUAL_UINT32(2U * words + 2U - 1U, spent);
+}

@@ -701,3 +701,26 @@ static void test_limits_of_grounds(void)
         }
     }
 }
+
+/* A curve of two moves, of which the first alone looks straight. */
+static void test_two_moves_that_differ_are_no_straight_way(void)
+{
+    static uint8_t moves[] = {0, 0};
+    const char *field = "none";
+
+    for (unsigned i = 0; i < copy.first_from[JP_HEADINGS]; i++) {
+        copied[i].move_count = 0;
+    }
+    copy.moves = moves;
+    copied[IN_PLACE].move_count = 2;
+    copied[IN_PLACE].first_move = 0;
+    copied[IN_PLACE].end = copied[IN_PLACE].start;
+    copied[IN_PLACE].base[JP_COST_PHYSICAL] = 100;
+    factors.straight = JP_Q16(1.5);
+    factors.turning = JP_Q16(2);
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_factors(&tariff, &copy, &factors, &field));
+    TEST_ASSERT_EQUAL_UINT(150, base(IN_PLACE));
+    moves[1] = 1;
+    TEST_ASSERT_EQUAL_INT(JP_OK, jp_tariff_by_factors(&tariff, &copy, &factors, &field));
+    TEST_ASSERT_EQUAL_UINT(200, base(IN_PLACE));
+}

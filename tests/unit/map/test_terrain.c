@@ -704,3 +704,48 @@ static void test_heights_on_a_steep_plane(void)
         }
     }
 }
+
+/* Along both axes between the middles of four cells, to a unit of the map. */
+static int32_t height_between(int32_t x, int32_t y, jp_q16 cell)
+{
+    const int64_t along = 2 * x > cell ? 2 * (int64_t)x - cell : 0; /* half units from the first middle */
+    const int64_t up = 2 * y > cell ? 2 * (int64_t)y - cell : 0;
+    const int32_t i = (int32_t)(along / (2 * cell));
+    const int32_t j = (int32_t)(up / (2 * cell));
+    const int64_t east = along % (2 * cell);
+    const int64_t north = up % (2 * cell);
+    const int64_t west = 2 * (int64_t)cell - east;
+    const int64_t south = 2 * (int64_t)cell - north;
+    const int64_t sum =
+        (jp_terrain_elevation(&terrain, i, j) * west + jp_terrain_elevation(&terrain, i + 1, j) * east) * south +
+        (jp_terrain_elevation(&terrain, i, j + 1) * west + jp_terrain_elevation(&terrain, i + 1, j + 1) * east) * north;
+
+    return (int32_t)(sum * (JP_Q16_ONE / JP_ELEVATION_ONE) / (4 * (int64_t)cell * cell));
+}
+
+/* On ground as steep as it comes, close to the middles of the cells, to their borders and anywhere. */
+static void test_heights_anywhere(void)
+{
+    static const jp_q16 sides[] = {JP_Q16(1), JP_Q16(0.05), JP_Q16(0.2), 24000};
+    const char *field = "";
+
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
+        const jp_q16 cell = sides[k];
+
+        config.resolution = cell;
+        TEST_ASSERT_EQUAL_INT(JP_OK, init(&field));
+        for (int32_t i = 0; i < WIDTH_MAX * HEIGHT_MAX; i++) {
+            const jp_elevation elevation = (jp_elevation)((i * 7919) % 4001 - 2000);
+
+            TEST_ASSERT_EQUAL_INT(JP_OK, jp_terrain_set_elevation(&terrain, i % WIDTH_MAX, i / WIDTH_MAX, elevation));
+        }
+        for (int32_t i = 0; i < 600; i++) {
+            const int32_t off = i % 3 == 0 ? i % 5 - 2 : i % 3 == 1 ? (i * 37) % cell : cell / 2 + i % 5 - 2;
+            const int32_t x = cell / 2 + (i % (WIDTH_MAX - 2)) * cell + off;
+            const int32_t y = cell / 2 + (i % (HEIGHT_MAX - 2)) * cell + (i % 2 == 0 ? off : (i * 91) % cell);
+
+            TEST_ASSERT_INT32_WITHIN(cell == JP_Q16_ONE ? 4 : 16, height_between(x, y, cell),
+                                     jp_terrain_height(&terrain, &(struct jp_point){x, y}));
+        }
+    }
+}

@@ -20,6 +20,7 @@ enum {
 };
 
 static const struct jp_lattice *lattice;
+static enum jp_cost_kind kind;
 static const struct {
     int32_t x;
     int32_t y;
@@ -37,13 +38,14 @@ static uint32_t state;
 static void init(unsigned scale)
 {
     TEST_ASSERT_TRUE(jp_turn_field_size(&map, scale) <= sizeof block);
-    jp_lattice_turns(lattice, JP_COST_PHYSICAL, &turns);
-    jp_turn_field_init(&field, lattice, JP_COST_PHYSICAL, &terrain, scale, block);
+    jp_lattice_turns(lattice, kind, &turns);
+    jp_turn_field_init(&field, lattice, kind, &terrain, scale, block);
 }
 
 void setUp(void)
 {
     lattice = &jp_lattice_zhang2018;
+    kind = JP_COST_PHYSICAL;
     make_level_map(&map);
     state = 20050903;
     init(scales[0]);
@@ -81,7 +83,7 @@ static bool relax_from(int32_t x, int32_t y, const struct jp_primitive *primitiv
 {
     const int32_t scale = field.scale;
     const int32_t here = expected[y / scale][x / scale][primitive->start];
-    const int32_t value = here + (primitive->base[JP_COST_PHYSICAL] >> field.shift);
+    const int32_t value = here + (primitive->base[kind] >> field.shift);
 
     if (here == UNREACHED || !jp_lattice_is_clear(lattice, &terrain, primitive, x, y)) {
         return false;
@@ -413,4 +415,75 @@ static void test_lowered_cells_are_told_to_the_cell(void)
     expect_box_of_root(7, 6, &(struct jp_cell_box){5, 9, 5, 9});
     expect_box_of_root(0, 0, &(struct jp_cell_box){0, 4, 0, 4});
     expect_box_of_root(WIDTH - 1, HEIGHT - 1, &(struct jp_cell_box){15, WIDTH - 1, 10, HEIGHT - 1});
+}
+
+/* Cells of a coarse one from which a way along an axis leads to the coarse cell `far`, and from there on. */
+static unsigned cells_towards(int32_t coarse, int32_t way, int32_t far)
+{
+    const int32_t scale = field.scale;
+    unsigned count = 0;
+
+    for (int32_t cell = coarse * scale; cell < (coarse + 1) * scale; cell++) {
+        count += cell + way >= far * scale && cell + way < (far + 1) * scale;
+    }
+    return count;
+}
+
+/* Of a coarse cell without a way out: each of the four to which a primitive may lead costs a look; those that are not
+ * as cheap already a sweep of each cell that leads there, and one more to find that there are no others. */
+static uint32_t looks_of(const struct jp_primitive *primitive, int32_t x, int32_t y)
+{
+    enum { SWEEP = 16, AWAY = 10 };
+    const int32_t scale = field.scale;
+    const int32_t first_x = (x * scale + primitive->dx + AWAY * scale) / scale - AWAY;
+    const int32_t first_y = (y * scale + primitive->dy + AWAY * scale) / scale - AWAY;
+    uint32_t looks = 0;
+
+    for (int32_t corner = 0; corner < 4; corner++) {
+        const int32_t to_x = first_x + corner % 2;
+        const int32_t to_y = first_y + corner / 2;
+        const unsigned cells = cells_towards(x, primitive->dx, to_x) * cells_towards(y, primitive->dy, to_y);
+        const bool is_root = to_x == x && to_y == y && primitive->end == 0U;
+        const bool is_on_map = to_x >= 0 && to_y >= 0 && to_x * scale < WIDTH && to_y * scale < HEIGHT;
+
+        looks += is_on_map && !is_root ? SWEEP * (cells + 1U) : 1U;
+    }
+    return looks;
+}
+
+static void test_all_that_is_looked_at_is_paid_for(void)
+{
+    enum { WAVE_STEP = 16, ROOT_X = 10, ROOT_Y = 6 };
+
+    for (unsigned i = 0; i < SCALES; i++) {
+        unsigned left = 100000;
+        uint32_t looks = 0;
+
+        for (int32_t x = 0; x < WIDTH; x++) {
+            put_column(x, 0, HEIGHT - 1, JP_CELL_OCCUPIED);
+        }
+        init(scales[i]);
+        jp_turn_field_start(&field, &turns, ROOT_X, ROOT_Y, 0, ROOT_X, ROOT_Y, 0);
+        TEST_ASSERT_TRUE(jp_turn_field_grow(&field, &left));
+        for (unsigned k = lattice->first_from[0]; k < lattice->first_from[1]; k++) {
+            looks += looks_of(&lattice->primitives[k], ROOT_X / field.scale, ROOT_Y / field.scale);
+        }
+        TEST_ASSERT_GREATER_OR_EQUAL_UINT32(looks + 2U * WAVE_STEP, 100000U - left);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(looks + 8U * WAVE_STEP, 100000U - left);
+        left = 500; /* and nothing more, once it has grown */
+        TEST_ASSERT_TRUE(jp_turn_field_grow(&field, &left));
+        TEST_ASSERT_GREATER_OR_EQUAL_UINT32(500 - WAVE_STEP, left);
+    }
+}
+
+/* Turning costs what the lattice says of each kind of cost. */
+static void test_each_kind_of_cost(void)
+{
+    occupy_some(4);
+    for (int i = 0; i < JP_COST_KINDS; i++) {
+        kind = (enum jp_cost_kind)i;
+        init(scales[0]);
+        start_and_grow();
+        expect_exact();
+    }
 }

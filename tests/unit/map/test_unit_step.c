@@ -39,3 +39,17 @@ static void test_the_unit_step_is_found_at_any_place(void)
         }
     }
 }
+
+/* What begins at the next heading is none of its own, whatever it looks like. */
+static void test_a_heading_without_steps_has_none(void)
+{
+    static const uint8_t moves[] = {3};
+    static const struct jp_primitive other = {.start = 4, .end = 3, .move_count = 1};
+    static struct jp_lattice lattice;
+
+    lattice = (struct jp_lattice){.primitives = &other, .moves = moves};
+    for (unsigned i = 5; i <= JP_HEADINGS; i++) {
+        lattice.first_from[i] = 1;
+    }
+    TEST_ASSERT_NULL(jp_unit_step(&lattice, 3));
+}

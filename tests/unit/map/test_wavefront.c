@@ -454,3 +454,17 @@ static void test_wide_rows_are_cleared(void)
     }
     TEST_ASSERT_TRUE(jp_wavefront_is_clear(&wave));
 }
+
+/* Rows where a wave has been before are looked at no more than others: of a new one, those of its root. */
+static void test_a_new_wave_looks_at_the_rows_of_its_root(void)
+{
+    for (int32_t row = HEIGHT - 1; row >= 0; row--) {
+        start(1, WIDTH - 1, HEIGHT - 1);
+        grow();
+        jp_wavefront_start(&wave, 1, WIDTH - 1, HEIGHT - 1);
+        clear();
+        jp_wavefront_lower(&wave, 3, row, 0);
+        TEST_ASSERT_EQUAL_INT(row, wave.first_row);
+        TEST_ASSERT_EQUAL_INT(row, wave.last_row);
+    }
+}

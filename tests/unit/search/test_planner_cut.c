@@ -3,8 +3,8 @@
 #include "src/search/planner_effort.h"
 #include "src/search/planner_repair.h"
 #include "src/search/planner_search.h"
-#include "src/search/planner_states.h"
-#include "tests/support/planner_rig.h"
+#include "src/search/planner_slices.h"
+#include "tests/unit/search/planner_optimum.h"
 
 enum {
     LATE = 120, /* units of search after which a repair is done */
@@ -277,4 +277,156 @@ static void test_changes_that_fit_one_repair(void)
     TEST_ASSERT_TRUE(jp_repair_fits(inner, 100, 100));
     inner->changes.count++;
     TEST_ASSERT_FALSE(jp_repair_fits(inner, 100, 100));
+}
+
+static void work_until_cut_is_over(void)
+{
+    while (planner.internal.phase == JP_PLANNER_CUT || planner.internal.phase == JP_PLANNER_REKEY) {
+        (void)jp_planner_work(&planner, 1);
+    }
+}
+
+/* After the cut each state looks one step ahead over what is left, and waits in the queue as long as it does not cost
+ * that. */
+static void test_states_are_sound_after_any_cut(void)
+{
+    int cuts = 0;
+
+    for (int units = SMALL; units < LATE; units += 3) {
+        if (!cuts_after(units)) {
+            continue;
+        }
+        believe(AMPLE);
+        work_until_cut_is_over();
+        TEST_ASSERT_EQUAL_INT(JP_PLANNER_SEARCH, planner.internal.phase);
+        TEST_ASSERT_TRUE(is_search_at_rest());
+        expect_sound_states();
+        cuts++;
+    }
+    TEST_ASSERT_TRUE(cuts > 3);
+}
+
+/* A change, and a robot that is elsewhere, end what the cut had left: the next repair may be given up again. */
+static void test_after_a_change_a_repair_has_a_limit_again(void)
+{
+    for (int i = 0; i < 2; i++) {
+        TEST_ASSERT_TRUE(cuts_after(SMALL));
+        believe(AMPLE);
+        work_until_cut_is_over();
+        TEST_ASSERT_TRUE(planner.internal.effort.has_cut);
+        if (i == 0) {
+            raise(6, 4, 20);
+        } else {
+            expect_start(JP_OK, 5, 5, 0);
+        }
+        TEST_ASSERT_FALSE(planner.internal.effort.has_cut);
+        expect_optimal();
+    }
+}
+
+/* Two looks over all slots, of which a unit of the budget takes 128; what is left of it is left. */
+static void test_budget_of_the_cut(void)
+{
+    unsigned budget = 1000;
+
+    TEST_ASSERT_TRUE(cuts_after(SMALL));
+    planner.internal.cut.slot = 0;
+    planner.internal.cut.is_found = false;
+    TEST_ASSERT_FALSE(jp_slice_cut(&planner.internal, &budget));
+    TEST_ASSERT_TRUE(planner.internal.cut.is_found);
+    TEST_ASSERT_EQUAL_UINT32((1000U * 128U - planner.internal.search.slot_count) / 128U, budget);
+    budget = 1000;
+    TEST_ASSERT_TRUE(jp_slice_cut(&planner.internal, &budget));
+    TEST_ASSERT_EQUAL_UINT32((1000U * 128U - planner.internal.search.slot_count) / 128U, budget);
+    for (unsigned i = 0; i < 3U; i++) {
+        budget = 0;
+        planner.internal.cut.slot = 0;
+        TEST_ASSERT_FALSE(jp_slice_cut(&planner.internal, &budget));
+        TEST_ASSERT_EQUAL_UINT32(0, planner.internal.cut.slot);
+    }
+}
+
+/* ---- What a repair looks at ---- */
+
+enum { FAR = 150 };
+
+static bool is_swept(const struct jp_lattice *of, unsigned heading, int32_t x, int32_t y)
+{
+    const struct jp_cells reach = of->reach[heading];
+
+    for (unsigned i = 0; i < planner.internal.changes.count; i++) {
+        const struct jp_cell_change *change = &planner.internal.changes.cells[i];
+
+        for (unsigned k = 0; k < reach.span_count; k++) {
+            const struct jp_span *span = &of->spans[reach.first_span + k];
+
+            if (change->y - y == span->y && change->x - x >= span->first && change->x - x <= span->last) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static unsigned swept_cells(const struct jp_lattice *of, unsigned heading)
+{
+    unsigned count = 0;
+
+    for (int32_t y = -FAR; y <= FAR; y++) {
+        bool has_row = false;
+
+        for (unsigned k = 0; k < of->reach[heading].span_count && !has_row; k++) {
+            for (unsigned i = 0; i < planner.internal.changes.count; i++) {
+                has_row = has_row ||
+                          planner.internal.changes.cells[i].y - y == of->spans[of->reach[heading].first_span + k].y;
+            }
+        }
+        for (int32_t x = -FAR; has_row && x <= FAR; x++) {
+            count += is_swept(of, heading, x, y);
+        }
+    }
+    return count;
+}
+
+/* Each pose from which a primitive may sweep a changed cell, once, however far primitives reach; in slices as in one.
+ */
+static void test_repair_looks_at_all_that_sweeps_a_changed_cell(void)
+{
+    static const struct jp_span spans[] = {{-70, -100, 30}, {0, -100, 100}, {90, 5, 5},       {1, -63, 0}, {-1, 0, 64},
+                                           {64, -127, 127}, {-127, 3, 66},  {127, -127, -64}, {0, 0, 0}};
+    static const struct jp_cell_change cells[] = {{8, 4}, {9, 4}, {15, 7}, {2, 0}};
+    struct jp_planner_internal *inner = &planner.internal;
+    struct jp_lattice wide = *lattice;
+    unsigned slots = UINT16_MAX;
+
+    begin();
+    expect_optimal();
+    inner->search.clear_slot = 0;
+    TEST_ASSERT_TRUE(jp_planner_states_clear(&inner->search, &slots));
+    wide.spans = spans;
+    inner->config.lattice = &wide;
+    for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+        wide.reach[heading] =
+            (struct jp_cells){(uint16_t)(heading % 9U), (uint16_t)(1U + heading % (9U - heading % 9U))};
+    }
+    for (uint16_t count = 1; count <= 4U; count++) {
+        unsigned expected = 0;
+        unsigned states = 100000;
+
+        memcpy(inner->changes.cells, cells, sizeof cells);
+        inner->changes.count = count;
+        inner->changes.may_be_cheaper = false;
+        inner->changes.cursor = 0;
+        for (unsigned heading = 0; heading < JP_HEADINGS; heading++) {
+            expected += swept_cells(&wide, heading);
+        }
+        TEST_ASSERT_EQUAL_INT(REPAIR_DONE, jp_repair_work(inner, &states));
+        TEST_ASSERT_EQUAL_UINT32(expected, 100000U - states);
+        inner->changes.cursor = 0;
+        for (unsigned left = expected; left > 0U; left -= left < 37U ? left : 37U) {
+            states = left < 37U ? left : 37U;
+            TEST_ASSERT_EQUAL_INT(left <= 37U ? REPAIR_DONE : REPAIR_WORKING, jp_repair_work(inner, &states));
+            TEST_ASSERT_EQUAL_UINT32(0, states);
+        }
+    }
 }

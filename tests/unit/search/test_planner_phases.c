@@ -351,12 +351,15 @@ static void test_change_while_the_states_are_cleared(void)
     for (int i = 0; i < 2; i++) {
         work_until_clearing(i == 0);
         raise(8, 4, -10);
+        TEST_ASSERT_EQUAL_INT(i == 0 ? JP_PLANNER_CLEAR : JP_PLANNER_GROW_FIELD, planner.internal.phase);
         expect_as_if_new();
         work_until_clearing(i == 0);
         occupy(8, 4);
+        TEST_ASSERT_EQUAL_INT(JP_PLANNER_CLEAR, planner.internal.phase);
         expect_as_if_new();
         work_until_clearing(i == 0);
         expect_start(JP_OK, 5, 5, 0);
+        TEST_ASSERT_EQUAL_INT(i == 0 ? JP_PLANNER_CLEAR : JP_PLANNER_GROW_FIELD, planner.internal.phase);
         expect_as_if_new();
     }
 }
@@ -606,6 +609,9 @@ static void test_search_from_the_robot_to_any_heading(void)
 /* Of a route from the robot the far end is left out, also where the search has arrived. */
 static void test_route_from_the_robot_is_cut(void)
 {
+    unsigned full = 0;
+    unsigned routes = 0;
+
     make_large_map();
     for (int16_t x = 4; x <= 12; x++) {
         for (unsigned heading = 0; heading < JP_HEADINGS; heading += 3) {
@@ -616,8 +622,11 @@ static void test_route_from_the_robot_is_cut(void)
             TEST_ASSERT_EQUAL_INT(JP_ANSWER_PARTIAL, finish());
             TEST_ASSERT_TRUE(jp_planner_plan(&planner)->step_count <= 2);
             expect_honest(JP_ANSWER_PARTIAL, &goal);
+            full += jp_planner_plan(&planner)->step_count == 2;
+            routes++;
         }
     }
+    TEST_ASSERT_EQUAL_UINT32(routes, full); /* no way is so short */
 }
 
 /* Occupies a cell so that the planner cannot know: as if its memory had been damaged. */
@@ -671,4 +680,47 @@ static void test_nothing_is_proved_downhill(void)
     TEST_ASSERT_NOT_NULL(jp_planner_step(&planner, 0, &pose));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_planner_set_start(&planner, &pose));
     TEST_ASSERT_EQUAL_UINT32(JP_BOUND_NONE, jp_planner_plan(&planner)->bound);
+}
+
+/* What a search that was given up in the middle of its work has spent is not charged to the one that begins anew. */
+static void test_a_new_search_has_spent_nothing_wherever_it_begins(void)
+{
+    unsigned restarts = 0;
+
+    begin();
+    expect_optimal();
+    planner.internal.effort.fresh_cost = 0;
+    expect_start(JP_OK, 5, 5, 0);
+    occupy_secretly(5, 5);
+    while (!jp_planner_is_idle(&planner)) {
+        const uint32_t before = jp_planner_statistics(&planner)->restarts;
+
+        (void)jp_planner_work(&planner, 1);
+        if (jp_planner_statistics(&planner)->restarts > before) {
+            TEST_ASSERT_EQUAL_UINT32(0, planner.internal.effort.spent);
+            restarts++;
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(1, restarts);
+}
+
+/* A field that cannot see the robot does not go on to a repair: it is grown anew from where the robot is. */
+static void test_a_field_that_is_cut_off_grows_anew(void)
+{
+    static const struct jp_lattice_pose here = {3, 4, 4};
+    static const struct jp_goal goal = {3, 4, 1U << 4};
+
+    config.epsilon[0] = JP_EPSILON_ONE;
+    config.epsilon[1] = 0;
+    start_planner(sizeof block);
+    wall(true);
+    go(&here, &goal);
+    TEST_ASSERT_EQUAL_INT(JP_ANSWER_OPTIMAL, finish());
+    occupy(15, 0);
+    expect_start(JP_OK, 12, 4, 4);
+    while (planner.internal.phase == JP_PLANNER_CHECK_PLAN || planner.internal.phase == JP_PLANNER_UPDATE_FIELD) {
+        (void)jp_planner_work(&planner, 1);
+    }
+    TEST_ASSERT_EQUAL_INT(JP_PLANNER_GROW_FIELD, planner.internal.phase);
+    TEST_ASSERT_EQUAL_INT(12, planner.internal.field_root.x);
 }

@@ -340,3 +340,53 @@ static void test_where_a_head_is_met(void)
     TEST_ASSERT_EQUAL_UINT32(0, head.junction_step);
     TEST_ASSERT_FALSE(jp_planner_head_has(&head, 19));
 }
+
+/* What the scout has spent is not charged to the search that goes on without it. */
+static void test_what_the_scout_has_spent_is_its_own(void)
+{
+    for (int i = 0; i < 2; i++) {
+        begin_with_scout();
+        occupy(8, 2);
+        do {
+            (void)jp_planner_work(&planner, 1);
+        } while (planner.internal.phase != JP_PLANNER_SEARCH);
+        TEST_ASSERT_TRUE(planner.internal.is_scouting);
+        TEST_ASSERT_FALSE(planner.internal.search.is_exact);
+        TEST_ASSERT_EQUAL_PTR(scout_block, planner.internal.search.states);
+        TEST_ASSERT_EQUAL_PTR(planner.internal.states_block, planner.internal.resting.states);
+        planner.internal.effort.spent = 1000;
+        if (i == 0) {
+            occupy(9, 2);
+        } else {
+            expect_start(JP_OK, 5, 4, 4);
+        }
+        TEST_ASSERT_FALSE(planner.internal.is_scouting);
+        TEST_ASSERT_EQUAL_UINT32(0, planner.internal.effort.spent);
+        expect_true_answer(finish());
+        make_level_map(&map);
+    }
+}
+
+/* To splice it needs no guide but the one that there is; for the whole way one grows. */
+static void test_whether_the_scout_needs_a_guide(void)
+{
+    for (int i = 0; i < 4; i++) {
+        make_level_map(&map);
+        begin_with_scout();
+        planner.internal.has_guide = i % 2 == 1;
+        if (i / 2 == 1) {
+            planner.internal.plan.end.x--; /* as if there were none, but one that leads elsewhere */
+            planner.internal.answer = JP_ANSWER_OUT_OF_BUDGET;
+        }
+        planner.internal.effort.fresh_cost = 0;
+        occupy(8, 2);
+        while (!planner.internal.is_scouting) {
+            TEST_ASSERT_FALSE(jp_planner_is_idle(&planner));
+            (void)jp_planner_work(&planner, 1);
+        }
+        TEST_ASSERT_EQUAL_INT(i / 2 == 0, planner.internal.is_splicing);
+        TEST_ASSERT_EQUAL_INT(i != 1, planner.internal.phase == JP_PLANNER_GROW_GUIDE);
+        TEST_ASSERT_EQUAL_UINT32(i / 2 == 0 ? 512 : JP_EPSILON(2), planner.internal.search.epsilon);
+        expect_true_answer(finish());
+    }
+}

@@ -277,3 +277,69 @@ static void test_lattices_that_are_not_taken(void)
     TEST_ASSERT_EQUAL_INT(JP_ERR_CONFIG, jp_planner_set_lattice(&planner, &other));
     expect_optimal();
 }
+
+/* A state whose key stays in its bucket keeps its place there; one that moves comes first in its new one. */
+static void test_a_state_that_is_put_again_keeps_its_place(void)
+{
+    struct jp_planner_search *search = &planner.internal.search;
+
+    start_planner(sizeof block);
+    clear_states(1000);
+    jp_planner_queue_restart(search, 1000);
+    const uint32_t first = jp_planner_states_add(search, 5);
+    const uint32_t second = jp_planner_states_add(search, 6);
+    jp_planner_queue_put(search, first, 100);
+    jp_planner_queue_put(search, second, 100);
+    TEST_ASSERT_EQUAL_UINT32(second, jp_planner_queue_top(search));
+    jp_planner_queue_put(search, first, 100);
+    TEST_ASSERT_EQUAL_UINT32(second, jp_planner_queue_top(search));
+    jp_planner_queue_put(search, first, 900);
+    jp_planner_queue_put(search, first, 100);
+    TEST_ASSERT_EQUAL_UINT32(first, jp_planner_queue_top(search));
+    jp_planner_queue_remove(search, first);
+    TEST_ASSERT_EQUAL_UINT32(second, jp_planner_queue_top(search));
+    jp_planner_queue_remove(search, second);
+    jp_planner_queue_remove(search, second);
+    TEST_ASSERT_EQUAL_UINT32(NO_SLOT, jp_planner_queue_top(search));
+}
+
+/* In an empty table a state lies where its own bits say: two seldom in the same slot, whatever they have in common. */
+static void test_states_begin_to_look_at_places_of_their_own(void)
+{
+    static const uint32_t strides[] = {1, 16, 4096};
+    struct jp_planner_search *search = &planner.internal.search;
+
+    for (size_t i = 0; i < sizeof strides / sizeof strides[0]; i++) {
+        uint8_t parts[16] = {0};
+        unsigned most = 0;
+
+        start_planner(sizeof block);
+        for (uint32_t k = 0; k < 160U; k++) {
+            clear_states(1000);
+            const uint32_t part = jp_planner_states_add(search, k * strides[i]) * 16U / search->slot_count;
+
+            parts[part]++;
+            most = parts[part] > most ? parts[part] : most;
+        }
+        TEST_ASSERT_LESS_THAN_UINT32(25, most); /* of 10 each */
+    }
+}
+
+/* A list for every 16 slots, as a power of two from 64 to 1024. */
+static void test_lists_for_tables_of_any_size(void)
+{
+    const struct jp_terrain_config large = {.width = 1000, .height = 1000, .resolution = lattice->resolution};
+    struct jp_planner_search search = {0};
+
+    for (size_t bytes = 4096; bytes < 1000000; bytes += bytes / 3) {
+        const size_t used = jp_planner_states_init(&search, &large, block, bytes);
+        const uint32_t count = search.bucket_count;
+
+        TEST_ASSERT_TRUE(used <= bytes && used + 1000U + 16U * 40U > bytes);
+        TEST_ASSERT_EQUAL_UINT32(0, count & (count - 1U));
+        TEST_ASSERT_TRUE(count >= 64U && count <= 1024U);
+        TEST_ASSERT_TRUE(count == 1024U || count * 16U >= search.slot_count);
+        TEST_ASSERT_TRUE(count == 64U || count * 8U < search.slot_count + 16U * 40U);
+    }
+    TEST_ASSERT_EQUAL_UINT32(1024, search.bucket_count);
+}
