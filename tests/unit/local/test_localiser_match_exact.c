@@ -377,8 +377,7 @@ static void test_the_surprise_is_the_square_of_deviations_from_the_prior(void)
 
         TEST_ASSERT_NEAR(3.0e-3f, 0.01f, y);
         TEST_ASSERT_NEAR(3.0e-3f, -prior.pose.heading, turn);
-        TEST_ASSERT_NEAR(1.0e-6f,
-                         30.0f * x * x + 20.0f * y * y + 10.0f * turn * turn + 10.0f * x * y - 8.0f * y * turn,
+        TEST_ASSERT_NEAR(1.0e-6f, 30.0f * x * x + 20.0f * y * y + 10.0f * turn * turn + 10.0f * x * y - 8.0f * y * turn,
                          fit.surprise);
     }
 }
@@ -392,7 +391,8 @@ static void test_a_match_turns_with_the_map(void)
     for (int i = -8; i <= 8; i++) {
         add(1.5f, 0.1f * (float)i + 0.05f);
     }
-    prior = (struct jp_localiser_prior){.pose = {4.0f, 30.0f * CELL - 1.48f, 0.5f * JP_PLANE_PI + 0.03f}, .noise = NOISE};
+    prior =
+        (struct jp_localiser_prior){.pose = {4.0f, 30.0f * CELL - 1.48f, 0.5f * JP_PLANE_PI + 0.03f}, .noise = NOISE};
     prior.start = prior.pose;
     know(&prior, 1.0f, 0.0f, 0.0f);
     match(&prior);

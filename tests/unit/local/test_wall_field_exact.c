@@ -290,8 +290,8 @@ static float way_to_wall(struct jp_plane_point from, struct jp_plane_point along
 {
     float way = 0.0f;
 
-    while (way < most && between((struct jp_plane_point){from.x + way * along.x, from.y + way * along.y}) >=
-                             -0.2 * (double)CELL) {
+    while (way < most &&
+           between((struct jp_plane_point){from.x + way * along.x, from.y + way * along.y}) >= -0.2 * (double)CELL) {
         way += 0.02f * CELL;
     }
     return way < most ? way : most;
