@@ -48,14 +48,15 @@ static float to_chord(unsigned k, const struct jp_plane_pose *pose, struct jp_pl
 {
     const float dx = corners[k + 1U].x - corners[k].x;
     const float dy = corners[k + 1U].y - corners[k].y;
-    const float share =
-        jp_plane_clamp(((pose->x - corners[k].x) * dx + (pose->y - corners[k].y) * dy) / (dx * dx + dy * dy), 0.0f, 1.0f);
+    const float share = jp_plane_clamp(
+        ((pose->x - corners[k].x) * dx + (pose->y - corners[k].y) * dy) / (dx * dx + dy * dy), 0.0f, 1.0f);
 
     *foot = (struct jp_plane_point){corners[k].x + share * dx, corners[k].y + share * dy};
     return jp_plane_length(foot->x - pose->x, foot->y - pose->y);
 }
 
-/* Poses along the path, a little beside it: each foot is the nearest place, and its normal is to the left of the path. */
+/* Poses along the path, a little beside it: each foot is the nearest place, and its normal is to the left of the path.
+ */
 static void test_feet_are_the_nearest_places(void)
 {
     for (unsigned run = 0; run < 12U; run++) {
@@ -85,9 +86,8 @@ static void test_feet_are_the_nearest_places(void)
                     chord = k;
                 }
             }
-            const struct jp_plane_point along =
-                jp_plane_direction(jp_plane_bearing(corners[chord + 1U].x - corners[chord].x,
-                                                    corners[chord + 1U].y - corners[chord].y));
+            const struct jp_plane_point along = jp_plane_direction(
+                jp_plane_bearing(corners[chord + 1U].x - corners[chord].x, corners[chord + 1U].y - corners[chord].y));
 
             TEST_ASSERT_NEAR(1.0e-4f, nearest.x, teb.internal.feet[i].point.x);
             TEST_ASSERT_NEAR(1.0e-4f, nearest.y, teb.internal.feet[i].point.y);
@@ -151,8 +151,8 @@ static void test_neighbours_are_the_nearest_of_all(void)
         bend_path(0.5f * (float)run);
         teb.count = 12;
         for (unsigned i = 0; i < 12U; i++) {
-            const struct jp_plane_pose pose = {corners[i / 2U].x + rig_random(0.4f), corners[i / 2U].y + rig_random(0.4f),
-                                               rig_random(3.0f)};
+            const struct jp_plane_pose pose = {corners[i / 2U].x + rig_random(0.4f),
+                                               corners[i / 2U].y + rig_random(0.4f), rig_random(3.0f)};
 
             jp_teb_set_pose(&teb.poses[i], &pose);
             teb.poses[i].interval = random_from(0.1f, 0.5f);
@@ -178,8 +178,8 @@ static void test_neighbours_are_the_nearest_of_all(void)
 
 /* ---- Numbers of poses ---- */
 
-/* Poses on a straight line, driven over at the speeds of their intervals: a split or a join leaves the way, its ends and
- * the time it takes, and afterwards no interval but the last is too short, and none is too long. */
+/* Poses on a straight line, driven over at the speeds of their intervals: a split or a join leaves the way, its ends
+ * and the time it takes, and afterwards no interval but the last is too short, and none is too long. */
 static void test_a_change_of_poses_keeps_the_ends_and_the_time(void)
 {
     for (unsigned run = 0; run < 40U; run++) {

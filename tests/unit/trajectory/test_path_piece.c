@@ -29,7 +29,6 @@ static double of_q24(int64_t value)
     return (double)value * 0x1p-24;
 }
 
-
 /* ---- Kinds ---- */
 
 static void test_what_is_straight(void)

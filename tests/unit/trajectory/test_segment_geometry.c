@@ -1,4 +1,5 @@
-/* Where a target lies, how long a segment takes at least, and what it becomes, against integers and double precision. */
+/* Where a target lies, how long a segment takes at least, and what it becomes, against integers and double precision.
+ */
 #include "src/trajectory/segment_geometry.h"
 
 #include "src/base/integer.h"
@@ -45,8 +46,8 @@ static void expect_polar(const struct jp_point *from, int32_t dx, int32_t dy)
     TEST_ASSERT_TRUE((low >> 6) * (low >> 6) <= square);
     TEST_ASSERT_TRUE(((high >> 6) + 1U) * ((high >> 6) + 1U) >= square);
     /* Across the direction it is off by nothing, along it by all of it. */
-    TEST_ASSERT_INT32_WITHIN(4,
-                             0, (int32_t)(((int64_t)dy * jp_cos(direction) - (int64_t)dx * jp_sin(direction)) >> 31));
+    TEST_ASSERT_INT32_WITHIN(4, 0,
+                             (int32_t)(((int64_t)dy * jp_cos(direction) - (int64_t)dx * jp_sin(direction)) >> 31));
     TEST_ASSERT_TRUE((int64_t)dx * jp_cos(direction) + (int64_t)dy * jp_sin(direction) > 0);
 }
 
@@ -84,8 +85,8 @@ static void test_targets_that_are_too_far_or_too_near(void)
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         TEST_ASSERT_EQUAL_INT(cases[i].status, jp_segment_polar(&origin, &cases[i].to, &distance, &direction));
     }
-    TEST_ASSERT_EQUAL_INT(JP_OK, jp_segment_polar(&origin, &(struct jp_point){far * 3 / 5, far * 4 / 5}, &distance,
-                                                  &direction));
+    TEST_ASSERT_EQUAL_INT(
+        JP_OK, jp_segment_polar(&origin, &(struct jp_point){far * 3 / 5, far * 4 / 5}, &distance, &direction));
     TEST_ASSERT_EQUAL_INT(JP_OK, jp_segment_polar(&origin, &(struct jp_point){near, near}, &distance, &direction));
 }
 
