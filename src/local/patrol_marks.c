@@ -3,7 +3,8 @@
 #include "src/base/plane.h"
 #include "src/map/clearance.h"
 
-/* Beyond this many cells nothing is on a map. */
+/* Beyond this many cells nothing is on a map, nor on one that a path is planned on. */
+#define MAP_MAX   ((float)JP_TERRAIN_SIDE_MAX + 2.0f)
 #define CELLS_MAX 1100.0f
 
 float jp_patrol_cell(const struct jp_terrain *map)
@@ -11,14 +12,14 @@ float jp_patrol_cell(const struct jp_terrain *map)
     return (float)map->config.resolution / (float)JP_Q16_ONE;
 }
 
-static float cells_of(const struct jp_terrain *map, float length)
+static float cells_of(const struct jp_terrain *map, float length, float most)
 {
-    return jp_plane_clamp(length / jp_patrol_cell(map), -CELLS_MAX, CELLS_MAX);
+    return jp_plane_clamp(length / jp_patrol_cell(map), -most, most);
 }
 
 int32_t jp_patrol_cell_at(const struct jp_terrain *map, float coordinate)
 {
-    const float cells = cells_of(map, coordinate);
+    const float cells = cells_of(map, coordinate, MAP_MAX);
     const int32_t whole = (int32_t)cells;
 
     return (float)whole > cells ? whole - 1 : whole;
@@ -138,9 +139,9 @@ void jp_patrol_mark_ends(const struct jp_terrain *given, struct jp_terrain *mark
     }
 }
 
-static jp_cells_q20 to_q20(float cells)
+static jp_cells_q20 to_q20(const struct jp_terrain *map, float length)
 {
-    return (jp_cells_q20)(cells * (float)JP_CELLS_ONE);
+    return (jp_cells_q20)(cells_of(map, length, CELLS_MAX) * (float)JP_CELLS_ONE);
 }
 
 bool jp_patrol_fits(const struct jp_terrain *map, const struct jp_footprint *footprint,
@@ -148,12 +149,11 @@ bool jp_patrol_fits(const struct jp_terrain *map, const struct jp_footprint *foo
 {
     const struct jp_plane_pose ahead = {0.5f * (footprint->front - footprint->rear), 0.0f, 0.0f};
     const struct jp_plane_pose centre = jp_plane_compose(pose, &ahead);
-    const struct jp_box box = {.x = to_q20(cells_of(map, centre.x)),
-                               .y = to_q20(cells_of(map, centre.y)),
+    const struct jp_box box = {.x = to_q20(map, centre.x),
+                               .y = to_q20(map, centre.y),
                                .heading = jp_plane_angle(centre.heading),
-                               .half_length =
-                                   to_q20(cells_of(map, 0.5f * (footprint->front + footprint->rear) + margin)),
-                               .half_width = to_q20(cells_of(map, footprint->half_width + margin))};
+                               .half_length = to_q20(map, 0.5f * (footprint->front + footprint->rear) + margin),
+                               .half_width = to_q20(map, footprint->half_width + margin)};
 
     return jp_box_is_clear(map, &box);
 }

@@ -37,7 +37,7 @@ static void sweep(const struct jp_wall_field *field, const struct jp_terrain *ma
         int8_t *const cell = cell_of(field, x, y);
         const int32_t known = is_back ? (*cell < 0 ? -*cell : *cell) : CAP;
 
-        away = is_wall != was_wall ? 1 : away < CAP ? away + 1 : CAP;
+        away = is_wall != was_wall ? 1 : away + 1;
         was_wall = is_wall;
 
         const int32_t least = away < known ? away : known;

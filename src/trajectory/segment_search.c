@@ -21,8 +21,7 @@ struct search {
     const struct jp_segment_problem *problem;
     struct jp_evaluation left, right;
     int32_t low, high;
-    uint32_t step, slope; /* of the last step down */
-    uint32_t width_expected;
+    uint32_t step, slope;                         /* of the last step down */
     bool flat;                                    /* the tangents promised no gain */
     enum jp_acting_limit left_limit, right_limit; /* of the last bracket */
     enum jp_acting_limit inside;                  /* that acts inside the last kink */
@@ -52,19 +51,18 @@ static uint32_t first_step(const struct jp_segment_problem *p, const struct jp_e
     return (uint32_t)jp_fraction30(slope, (uint32_t)curvature) << 1;
 }
 
-/* A further step in the same direction: to a quarter beyond where the slopes lead, at most four times the last. */
+/* A further step in the same direction: to where the slopes lead, at most four times the last. */
 static uint32_t next_step(uint32_t step, uint32_t last_slope, uint32_t slope)
 {
     uint32_t longest = step < (1U << 29) ? 4U * step : 1U << 31;
     uint32_t change = last_slope > slope ? last_slope - slope : 0U;
 
-    if (slope / 3U >= change) {
+    if (slope / 4U >= change) {
         return longest;
     }
 
     uint32_t ahead = (uint32_t)(((uint64_t)step * (uint32_t)jp_fraction30(slope >> 2, change)) >> 28);
 
-    ahead += ahead / 4U;
     return ahead < longest ? ahead : longest;
 }
 
@@ -101,10 +99,9 @@ static bool step_down(struct search *search, const struct jp_evaluation *e, cons
 
 /* What the energies and slopes at the ends of a bracket say about the minimum; steps from the left end. */
 struct forecast {
-    bool convex;       /* the tangents meet between the ends */
-    uint32_t tangents; /* the step to where they meet; half the width if not convex */
-    uint32_t cubic;    /* the step to the minimum of the cubic */
-    int64_t floor;     /* the energy where the tangents meet */
+    bool convex;    /* the tangents meet between the ends */
+    uint32_t cubic; /* the step to the minimum of the cubic */
+    int64_t floor;  /* the energy where the tangents meet */
 };
 
 /*
@@ -150,29 +147,12 @@ static struct forecast forecast(const struct jp_evaluation *a, const struct jp_e
 
     return (struct forecast){
         .convex = convex,
-        .tangents = tangents,
         .cubic = part_of(width, cubic_minimum((uint32_t)jp_fraction30(down, down + up), meet)),
         .floor = a->energy - gain(down, tangents),
     };
 }
 
-/* From the nearer end up to four times as far as the cubic's minimum, but not beyond where the tangents meet. */
-static uint32_t overshoot(uint32_t cubic, uint32_t tangents, uint32_t width)
-{
-    if (cubic < width / 2U) {
-        uint32_t far = cubic < width / 8U ? 4U * cubic : width / 2U;
-
-        return far < tangents ? far : tangents;
-    }
-
-    uint32_t left = width - cubic;
-    uint32_t far = width - (left < width / 8U ? 4U * left : width / 2U);
-
-    return far > tangents ? far : tangents;
-}
-
-/* Where in a bracket to look next: at the cubic's minimum, or after a step that narrowed it little, nearer to where
- * the tangents meet. False if neither promises a gain on `best`. */
+/* Where in a bracket to look next: at the cubic's minimum. False if that promises no gain on `best`. */
 static bool step_inside(struct search *search, const struct jp_evaluation *best, int32_t *x)
 {
     const struct jp_evaluation *a = &search->left;
@@ -190,11 +170,10 @@ static bool step_inside(struct search *search, const struct jp_evaluation *best,
         return false;
     }
 
-    uint32_t step = width < search->width_expected ? f.cubic : overshoot(f.cubic, f.tangents, width);
-
     search->flat = flat;
-    search->width_expected = width - width / 4U;
-    step = step < margin ? margin : step > width - margin ? width - margin : step;
+
+    uint32_t step = f.cubic < margin ? margin : f.cubic > width - margin ? width - margin : f.cubic;
+
     *x = (int32_t)((uint32_t)a->x + step);
     return true;
 }
@@ -301,7 +280,6 @@ static void begin(struct search *search, const struct jp_segment_problem *proble
     search->high = high;
     search->step = 0;
     search->slope = 0;
-    search->width_expected = UINT32_MAX;
     search->flat = false;
     search->left_limit = JP_ACTING_NONE;
     search->right_limit = JP_ACTING_NONE;

@@ -67,6 +67,26 @@ static void test_cells_of_coordinates(void)
     TEST_ASSERT_TRUE(jp_patrol_cell_at(&given, -32000.0f) < 0);
 }
 
+/* A localiser's map may be as long as any, with a cell for each of its coordinates. */
+static void test_cells_of_the_largest_map(void)
+{
+    for (int32_t i = 1000; i < JP_TERRAIN_SIDE_MAX; i += 100) {
+        TEST_ASSERT_EQUAL_INT32(i, jp_patrol_cell_at(&given, 0.125f * ((float)i + 0.5f)));
+    }
+    TEST_ASSERT_TRUE(jp_patrol_cell_at(&given, 32000.0f) >= JP_TERRAIN_SIDE_MAX);
+}
+
+/* A pose off the map has no room, to whatever side. */
+static void test_nothing_fits_off_the_map(void)
+{
+    for (int i = 0; i < 8; i++) {
+        const struct jp_plane_point along = jp_plane_direction(0.25f * JP_PLANE_PI * (float)i);
+        const struct jp_plane_pose pose = {3.75f + 20000.0f * along.x, 3.75f + 20000.0f * along.y, 0.3f};
+
+        TEST_ASSERT_FALSE(jp_patrol_fits(&marked, &footprint, &pose, 0.1f));
+    }
+}
+
 static void test_ends_of_beams_are_marked(void)
 {
     const struct jp_plane_pose scanner = {3.0f, 3.0f, 0.0f};
@@ -216,6 +236,48 @@ static void test_where_the_footprint_fits(void)
     TEST_ASSERT_FALSE(jp_patrol_fits(&marked, &footprint, &pose, 0.21f));
     pose.x = -20000.0f;
     TEST_ASSERT_FALSE(jp_patrol_fits(&marked, &footprint, &pose, 0.0f));
+}
+
+/* An end is what stands on the map within the tolerance of it, and beyond that it is not, to all sides. */
+static void test_an_end_is_what_stands_within_the_tolerance_of_it(void)
+{
+    for (int side = 0; side < 8; side++) {
+        const int dx = side % 3 - 1;
+        const int dy = side / 3 - 1;
+        const struct jp_plane_pose scanner = {2.1875f, 3.0625f + 0.001f, 0.0f};
+
+        for (int near = 0; near < 2; near++) {
+            const float reach = near == 1 ? 0.08f : 0.05f;
+
+            setUp();
+            occupy(&given, 24 + (dx == 0 && dy == 0 ? 1 : dx), 24 + dy);
+            ranges[0] = 24.5f * 0.125f - 2.1875f;
+            mark(&scanner, reach);
+            TEST_ASSERT_EQUAL_INT(near == 0, is_marked(24, 24) || is_marked(25, 24));
+        }
+    }
+}
+
+/* Beams clear the cells that they pass from the scanner on, its own too. */
+static void test_a_beam_clears_all_of_its_way(void)
+{
+    const struct jp_plane_pose scanner = {3.0625f, 3.0625f, 0.25f * JP_PLANE_PI};
+
+    for (int i = -8; i <= 8; i++) {
+        occupy(&marked, 24 + i, 24 + i);
+        occupy(&marked, 24 + i, 24 - i);
+    }
+    for (int i = 0; i < BEAMS; i++) {
+        ranges[i] = 1.0f;
+    }
+    mark(&scanner, TOLERANCE);
+    for (int i = -8; i <= 8; i++) {
+        const bool is_free = i >= -5 && i <= 5;
+        const bool is_kept = i <= -7 || i >= 7;
+
+        TEST_ASSERT_TRUE(!is_free || (!is_marked(24 + i, 24 + i) && !is_marked(24 + i, 24 - i)));
+        TEST_ASSERT_TRUE(!is_kept || (is_marked(24 + i, 24 + i) && is_marked(24 + i, 24 - i)));
+    }
 }
 
 /* ---- Approaches ---- */

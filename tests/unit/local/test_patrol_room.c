@@ -1,6 +1,7 @@
 /* Room around a robot: which turns in place and steps are free, and which is taken. */
 #include "tests/support/patrol_rig.h"
 
+#include "src/local/patrol_price.h"
 #include "src/local/patrol_room.h"
 
 /* Obstacles look smaller than they are by half of the scan's tolerance. */
@@ -328,4 +329,65 @@ static void test_no_step_out_of_a_box(void)
     put_box(-0.6f, -0.4f, -0.5f, 0.4f);
     TEST_ASSERT_FALSE(find_step(1.5f, &target));
     TEST_ASSERT_NEAR(1e-6f, 9.0f, target.x);
+}
+
+/* ---- Against all that there is ---- */
+
+/* Of what walks it keeps off where that will be, in any direction, and by as much as that may be off. */
+static void test_what_moves_is_farther_on_later(void)
+{
+    for (int i = 0; i < 8; i++) {
+        const struct jp_plane_point along = jp_plane_direction(0.25f * JP_PLANE_PI * (float)i);
+        const struct jp_plane_pose pose = {0.3f, -0.2f, 0.4f};
+        struct jp_plane_pose beside = pose;
+
+        setUp();
+        put_box(0.9f, -0.5f, 1.0f, 0.5f);
+        patrol.obstacles.shapes[0].velocity = (struct jp_plane_point){0.5f * along.x, 0.5f * along.y};
+        patrol.obstacles.shapes[0].margin = 0.04f;
+        beside.x -= 0.4f * 0.5f * along.x;
+        beside.y -= 0.4f * 0.5f * along.y;
+        TEST_ASSERT_NEAR(1.0e-4f, jp_patrol_clearance(&patrol, &beside) - 0.4f * 0.04f,
+                         jp_patrol_clearance_later(&patrol, &pose, 0.4f));
+    }
+}
+
+static float price_of_way(float x, float y)
+{
+    return jp_patrol_step_price(&patrol.config, jp_plane_magnitude(jp_plane_bearing(x, y)), jp_plane_length(x, y));
+}
+
+/* In the open all steps are free: of 0.15 m to 0.75 m, a twelfth of a turn apart, it takes the one that costs least
+ * with the turn and the step into the goal. */
+static void test_the_step_is_the_cheapest_of_all(void)
+{
+    for (unsigned run = 0; run < 24U; run++) {
+        const float bearing = 0.2618f * (float)run;
+        const struct jp_plane_pose into = {0.8f * jp_plane_cosine(bearing), 0.8f * jp_plane_sine(bearing), 0.0f};
+        const struct jp_patrol_step_search search = {
+            .heading = 0.5f * (float)(run % 5U) - 1.0f, .into = &into, .into_reach = 0.7f};
+        const struct jp_plane_point across = jp_plane_direction(search.heading);
+        const float turn = jp_patrol_turn_price(&patrol.config, jp_plane_magnitude(search.heading));
+        float least = 1.0e9f;
+        float found;
+        struct jp_plane_point target;
+
+        patrol.config.strategy = (uint8_t)JP_PATROL_BY_COST;
+        for (unsigned k = 0; k < 60U; k++) {
+            const struct jp_plane_point along = jp_plane_direction(JP_PLANE_PI / 6.0f * (float)(k % 12U));
+            const float x = 0.15f * (float)(k / 12U + 1U) * along.x;
+            const float y = 0.15f * (float)(k / 12U + 1U) * along.y;
+            const float ahead = across.x * (into.x - x) + across.y * (into.y - y);
+            const float left = across.x * (into.y - y) - across.y * (into.x - x);
+
+            if (jp_plane_length(ahead, left) < 0.7f) {
+                least = jp_plane_smaller(least, price_of_way(x, y) + turn + price_of_way(ahead, left));
+            }
+        }
+        TEST_ASSERT_TRUE(jp_patrol_find_step(&patrol, &search, &target));
+        found = price_of_way(target.x, target.y) + turn +
+                price_of_way(across.x * (into.x - target.x) + across.y * (into.y - target.y),
+                             across.x * (into.y - target.y) - across.y * (into.x - target.x));
+        TEST_ASSERT_NEAR(1.0e-3f, least, found);
+    }
 }

@@ -220,3 +220,139 @@ static void test_beyond_the_map_nothing_happens(void)
     jp_patrol_occupy_trodden(&patrol, &far_goal, 0.0f, &marked);
     TEST_ASSERT_TRUE(occupied() > 0U && occupied() < 12U);
 }
+
+/* ---- Each cell, each note ---- */
+
+/* By how far the middle of a cell is from a place. */
+static bool is_within(int32_t x, int32_t y, float at_x, float at_y, float radius)
+{
+    const float cell = (float)JP_Q16(0.1) / (float)JP_Q16_ONE;
+
+    return jp_plane_length(((float)x + 0.5f) * cell - at_x, ((float)y + 0.5f) * cell - at_y) <= radius;
+}
+
+/* Places at the map's rims too; what is around the robot and the goal stays free. */
+static void test_each_cell_near_where_somebody_walked_is_occupied(void)
+{
+    static const struct jp_plane_point places[] = {{3.02f, 4.07f}, {0.11f, 5.96f}, {7.93f, 3.03f}, {4.51f, 0.04f},
+                                                   {5.55f, 7.98f}, {1.27f, 1.31f}, {6.49f, 6.52f}};
+    const float kept = 0.7f + jp_plane_length(jp_plane_larger(config.teb.footprint.front, config.teb.footprint.rear),
+                                              config.teb.footprint.half_width);
+
+    for (unsigned i = 0; i < sizeof places / sizeof places[0]; i++) {
+        const float radius = RADIUS + 0.153f;
+
+        setUp();
+        (void)put_walker(places[i].x, places[i].y);
+        jp_patrol_note_steps(&patrol);
+        jp_patrol_occupy_trodden(&patrol, &far_goal, 0.153f, &marked);
+        for (int32_t k = 0; k < SIDE * SIDE; k++) {
+            const int32_t x = k % SIDE;
+            const int32_t y = k / SIDE;
+            const bool is_occupied = is_within(x, y, places[i].x, places[i].y, radius) &&
+                                     !is_within(x, y, 0.5f, 0.5f, kept) && !is_within(x, y, 7.5f, 7.5f, kept);
+
+            TEST_ASSERT_EQUAL_INT(is_occupied, jp_terrain_cell(&marked, x, y) == JP_CELL_OCCUPIED);
+        }
+        /* All of it goes again, and what the given map has there comes back. */
+        (void)jp_terrain_set_cell(&given, (int32_t)(places[i].x / CELL), (int32_t)(places[i].y / CELL),
+                                  JP_CELL_UNKNOWN);
+        jp_patrol_clear_trodden(&patrol, &given, 0.153f, &marked);
+        for (int32_t k = 0; k < SIDE * SIDE; k++) {
+            TEST_ASSERT_EQUAL_INT(jp_terrain_cell(&given, k % SIDE, k / SIDE),
+                                  jp_terrain_cell(&marked, k % SIDE, k / SIDE));
+        }
+    }
+}
+
+static const struct jp_patrol_trodden *note_at(float x, float y)
+{
+    for (unsigned i = 0; i < JP_PATROL_TRODDEN_MAX; i++) {
+        const struct jp_patrol_trodden *const place = &patrol.internal.trodden[i];
+
+        if (place->radius > 0.0f && jp_plane_length(place->place.x - x, place->place.y - y) < 1.0e-3f) {
+            return place;
+        }
+    }
+    return NULL;
+}
+
+/* Within 0.3 m it is the same place, which keeps the larger radius and is new again. */
+static void test_near_a_note_it_is_renewed(void)
+{
+    struct jp_mover *const mover = put_walker(3.0f, 3.0f);
+
+    jp_patrol_note_steps(&patrol);
+    patrol.movers.count = 0;
+    jp_patrol_note_steps(&patrol);
+    TEST_ASSERT_NEAR(1.0e-5f, RIG_PERIOD, note_at(3.0f, 3.0f)->age);
+    patrol.movers.count = 1;
+    mover->centre = (struct jp_plane_point){3.2f, 3.21f};
+    mover->radius = 0.1f;
+    jp_patrol_note_steps(&patrol);
+    TEST_ASSERT_EQUAL_UINT(1, noted());
+    TEST_ASSERT_NEAR(1.0e-5f, 0.0f, note_at(3.0f, 3.0f)->age);
+    TEST_ASSERT_NEAR(1.0e-5f, RADIUS, note_at(3.0f, 3.0f)->radius);
+    mover->centre = (struct jp_plane_point){3.22f, 3.22f};
+    jp_patrol_note_steps(&patrol);
+    TEST_ASSERT_EQUAL_UINT(2, noted());
+    TEST_ASSERT_NEAR(1.0e-5f, 0.25f, note_at(3.22f, 3.22f)->radius);
+}
+
+/* Who stands, is not seen or never walked is not noted. */
+static void test_who_does_not_walk_now_is_not_noted(void)
+{
+    for (int i = 0; i < 4; i++) {
+        struct jp_mover *mover;
+
+        setUp();
+        mover = put_walker(3.0f, 3.0f);
+        mover->standing = i == 0 ? 0.16f : 0.14f;
+        mover->misses = (uint8_t)(i == 1);
+        mover->pace = i == 2 ? 0.0f : 1.0f;
+        jp_patrol_note_steps(&patrol);
+        TEST_ASSERT_EQUAL_UINT(i == 3 ? 1U : 0U, noted());
+    }
+}
+
+/* Where there is no place left the oldest goes, be it the first, the last or in between. */
+static void test_the_oldest_note_goes(void)
+{
+    for (unsigned oldest = 0; oldest < JP_PATROL_TRODDEN_MAX; oldest++) {
+        setUp();
+        for (unsigned i = 0; i < JP_PATROL_TRODDEN_MAX; i++) {
+            patrol.internal.trodden[i].place = (struct jp_plane_point){1.0f + (float)i, 2.0f};
+            patrol.internal.trodden[i].radius = 0.3f;
+            patrol.internal.trodden[i].age = i == oldest ? 30.0f : 10.0f + 0.1f * (float)(i % 7U);
+        }
+        (void)put_walker(3.0f, 6.0f);
+        jp_patrol_note_steps(&patrol);
+        TEST_ASSERT_NULL(note_at(1.0f + (float)oldest, 2.0f));
+        TEST_ASSERT_NOT_NULL(note_at(3.0f, 6.0f));
+        TEST_ASSERT_EQUAL_UINT(JP_PATROL_TRODDEN_MAX, noted());
+    }
+}
+
+/* After 40 s a note is none: it occupies nothing, and its place is free for another one. */
+static void test_notes_are_remembered_for_forty_seconds(void)
+{
+    for (int i = 0; i < 2; i++) {
+        setUp();
+        (void)put_walker(3.0f, 4.0f);
+        jp_patrol_note_steps(&patrol);
+        patrol.movers.count = 0;
+        for (unsigned k = 0; k < JP_PATROL_TRODDEN_MAX; k++) {
+            patrol.internal.trodden[k].age = i == 0 ? 39.75f : 39.95f;
+        }
+        jp_patrol_note_steps(&patrol);
+        jp_patrol_occupy_trodden(&patrol, &far_goal, 0.1f, &marked);
+        TEST_ASSERT_EQUAL_INT(i == 0, jp_terrain_cell(&marked, 30, 40) == JP_CELL_OCCUPIED);
+        /* What it occupied before is cleared all the same. */
+        (void)jp_terrain_set_cell(&marked, 30, 40, JP_CELL_OCCUPIED);
+        jp_patrol_clear_trodden(&patrol, &given, 0.1f, &marked);
+        TEST_ASSERT_EQUAL_INT(JP_CELL_FREE, jp_terrain_cell(&marked, 30, 40));
+        (void)put_walker(3.1f, 4.0f);
+        jp_patrol_note_steps(&patrol);
+        TEST_ASSERT_EQUAL_INT(i == 1, note_at(3.1f, 4.0f) != NULL);
+    }
+}

@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "tests/support/config_check.h"
+#include "tests/target/random.h"
 #include "unity.h"
 
 enum { PLACES = 4 };
@@ -380,4 +381,115 @@ static void test_a_turn_has_no_curvature_that_jumps(void)
     plan();
     expect_speed(0.5, pieces[1].speed.acceleration);
     expect_speed(0.5, pieces[2].speed.acceleration);
+}
+
+/* ---- Of any path ---- */
+
+static uint32_t state = 9;
+
+static double random_between(double low, double high)
+{
+    return low + (high - low) * (double)(target_random(&state) >> 8) * 0x1p-24;
+}
+
+static double of_q24(jp_q24 value)
+{
+    return (double)value * 0x1p-24;
+}
+
+/* What a piece takes, and that its speeds are those of one who speeds up, keeps on and brakes. */
+static double seconds_of(const struct jp_path_piece *piece, jp_q24 begin)
+{
+    const double length = of_q24(piece->length);
+    const double first = of_q24(begin);
+    const double cruise = of_q24(piece->speed.cruise);
+    const double last = of_q24(piece->speed.end);
+    const double twice = 2.0 * of_q24(piece->speed.acceleration);
+    const double up = (cruise * cruise - first * first) / twice;
+    const double down = (cruise * cruise - last * last) / twice;
+
+    TEST_ASSERT_TRUE(first <= cruise + 1.0e-6 && last <= cruise + 1.0e-6);
+    TEST_ASSERT_TRUE(up + down <= length + 1.0e-4);
+    TEST_ASSERT_INT32_WITHIN(JP_Q24(1.0e-4), JP_Q24(length - down), piece->speed.brake_from);
+    return 2.0 * (cruise - first + cruise - last) / twice + (length - up - down) / cruise;
+}
+
+/* Of power that rises with speed alone each metre takes the same, and each second; of kinetic energy what is gained is
+ * paid for, and some of it comes back. */
+static void expect_cost(void)
+{
+    double seconds = 0.0;
+    double metres = 0.0;
+    double radians = 0.0;
+    double gained = 0.0;
+    double lost = 0.0;
+    jp_q24 begin = 0;
+
+    plan();
+    for (unsigned i = 0; i < path.count; i++) {
+        const double cruise = of_q24(pieces[i].speed.cruise);
+        const double first = of_q24(begin);
+        const double last = of_q24(pieces[i].speed.end);
+
+        seconds += seconds_of(&pieces[i], begin);
+        if (pieces[i].kind == JP_PIECE_CURVE) {
+            metres += of_q24(pieces[i].length);
+            gained += cruise * cruise - first * first;
+            lost += cruise * cruise - last * last;
+        } else {
+            radians += of_q24(pieces[i].length);
+        }
+        begin = pieces[i].speed.end;
+    }
+    TEST_ASSERT_EQUAL_INT32(0, begin);
+    TEST_ASSERT_INT32_WITHIN(64, JP_Q16(seconds), cost.duration);
+    TEST_ASSERT_INT32_WITHIN(400, JP_Q16(7.0 * seconds + 3.0 * metres + 2.0 * radians + 5.0 * gained - 4.0 * lost),
+                             cost.energy);
+}
+
+static void test_cost_of_random_paths(void)
+{
+    for (unsigned run = 0; run < 60U; run++) {
+        setUp();
+        model = (struct model){.still = JP_Q16(7), .linear = JP_Q16(3), .turning = JP_Q16(2)};
+        price.gain = JP_Q16(5);
+        price.recovery = JP_Q16(4);
+        price.time = (jp_q16)(run % 3U) * JP_Q16(20);
+        config.acceleration = JP_Q24(random_between(0.1, 0.9));
+        for (unsigned i = 0; i < 1U + run % PLACES; i++) {
+            if (target_random(&state) % 4U == 0U) {
+                (void)add(JP_PIECE_TURN_LEFT, random_between(0.3, 3.0), 0, 0);
+            } else {
+                (void)add(JP_PIECE_CURVE, random_between(0.2, 3.0), 0, 0);
+            }
+        }
+        expect_cost();
+    }
+}
+
+/* There and back the speeds are the same. */
+static void test_a_path_backwards_takes_as_long(void)
+{
+    for (unsigned run = 0; run < 20U; run++) {
+        struct jp_path_cost there;
+
+        setUp();
+        for (unsigned i = 0; i < PLACES; i++) {
+            (void)add(JP_PIECE_CURVE, random_between(0.2, 2.0), random_between(-1.5, 1.5), 0);
+        }
+        plan();
+        there = cost;
+        for (unsigned i = 0; i < PLACES / 2U; i++) {
+            const struct jp_path_piece piece = pieces[i];
+
+            pieces[i] = pieces[PLACES - 1U - i];
+            pieces[PLACES - 1U - i] = piece;
+        }
+        for (unsigned i = 0; i < PLACES; i++) {
+            pieces[i].bend = -pieces[i].bend;
+        }
+        plan();
+        TEST_ASSERT_INT32_WITHIN(64, there.duration, cost.duration);
+        TEST_ASSERT_INT32_WITHIN(64, there.energy, cost.energy);
+    }
 }
