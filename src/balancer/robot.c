@@ -190,25 +190,36 @@ static void begin_segment(struct jp_robot_internal *robot)
     jp_post(&robot->next_full, 0);
 }
 
-/** Idle, fallen and fault: what leads out of them, and into fault. */
+static void become_idle(struct jp_robot_internal *robot)
+{
+    struct jp_tick_telemetry *telemetry = &robot->telemetry;
+
+    /* Failed sensors left a pitch and a position that mean nothing. */
+    if (telemetry->state == JP_ROBOT_FAULT) {
+        robot->started = false;
+    }
+    telemetry->faults = 0;
+    telemetry->state = JP_ROBOT_IDLE;
+    jp_monitor_start(&robot->monitor, &robot->config->monitor);
+}
+
+/** Idle, fallen and fault: what leads out of them, and into fault. After a reset only a robot that has neither failed
+ *  nor been disabled since balances on. */
 static void rest(struct jp_robot_internal *robot, uint16_t faults)
 {
     struct jp_tick_telemetry *telemetry = &robot->telemetry;
-    const bool is_disabled = jp_take(&robot->disable_requested);
 
-    /* After a reset only who has neither failed nor been switched off since balances on. */
-    robot->resuming = robot->resuming && !is_disabled && faults == 0U;
-    if (is_disabled && telemetry->state != JP_ROBOT_IDLE) {
-        /* Failed sensors left a pitch and a position that mean nothing. */
-        if (telemetry->state == JP_ROBOT_FAULT) {
-            robot->started = false;
+    if (jp_take(&robot->disable_requested)) {
+        robot->resuming = false;
+        if (telemetry->state != JP_ROBOT_IDLE) {
+            become_idle(robot);
         }
-        telemetry->faults = 0;
-        telemetry->state = JP_ROBOT_IDLE;
-        jp_monitor_start(&robot->monitor, &robot->config->monitor);
     } else if (faults != 0U && telemetry->state == JP_ROBOT_IDLE) {
+        robot->resuming = false;
         telemetry->faults |= faults;
         telemetry->state = JP_ROBOT_FAULT;
+    } else {
+        /* It stays as it is. */
     }
     if (jp_take(&robot->enable_requested) && telemetry->state == JP_ROBOT_IDLE && robot->monitor.started) {
         balance(robot);
