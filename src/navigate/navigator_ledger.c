@@ -6,11 +6,8 @@
 #include "src/navigate/navigator_state.h"
 
 /** What a stand takes is taken to be no better known than by so many stands and drives: robots and grounds change. */
-#define STANDS_MAX 64
-#define DRIVES_MAX 15
-
-/** Of a course; one with more counts as one with so many. */
-#define COURSE_STANDS_MAX 255
+#define STANDS_MAX 64U
+#define DRIVES_MAX 15U
 
 /** A new robot's stands take nothing more, give or take this part of its first course. */
 #define FIRST_PART 20
@@ -49,12 +46,14 @@ static jp_q16 share(jp_q16 whole, const struct lengths *lengths)
 
 static uint16_t stands_left(const struct jp_navigator *navigator)
 {
-    int32_t stands = 0;
+    uint16_t stands = 0;
 
     for (uint16_t i = navigator->internal.leg; i < navigator->internal.course.count; i++) {
-        stands += navigator->config.legs[i].is_stop ? 1 : 0;
+        if (navigator->config.legs[i].is_stop) {
+            stands++;
+        }
     }
-    return (uint16_t)jp_clamp32(stands, 0, COURSE_STANDS_MAX);
+    return stands;
 }
 
 /* What stands take. */
@@ -77,6 +76,11 @@ static uint64_t square(jp_q16 x)
     return (uint64_t)product;
 }
 
+static uint16_t at_most(uint32_t most, uint32_t x)
+{
+    return (uint16_t)(x < most ? x : most);
+}
+
 /** A drive with so many stands took so much more than its first course. */
 static void learn(struct jp_stand_energy *stand, jp_q16 more, uint16_t stands)
 {
@@ -88,8 +92,8 @@ static void learn(struct jp_stand_energy *stand, jp_q16 more, uint16_t stands)
 
     stand->mean = jp_add(stand->mean, innovation / (int32_t)(known + stands));
     stand->deviation = root(before - before / weight + of_one / weight);
-    stand->stands = (uint16_t)jp_clamp32((int32_t)(known + stands), 0, STANDS_MAX);
-    stand->drives = (uint16_t)jp_clamp32((int32_t)stand->drives + 1, 0, DRIVES_MAX);
+    stand->stands = at_most(STANDS_MAX, known + stands);
+    stand->drives = at_most(DRIVES_MAX, (uint32_t)stand->drives + 1U);
 }
 
 /** Of so many stands together, whose mean is not known either. */

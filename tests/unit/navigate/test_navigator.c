@@ -517,6 +517,20 @@ static void test_a_stand_within_a_cell_of_the_end_is_the_end(void)
     TEST_ASSERT_EQUAL_UINT16(0, navigator.replans);
 }
 
+/* Exactly a cell is not more than one; the least more is. */
+static void test_more_than_a_cell_is_short(void)
+{
+    for (jp_q16 more = -2; more <= 2; more++) {
+        setUp();
+        begin(18, 4);
+        stop_before(JP_Q16(0.5));
+        robot.view.position.x += legs[0].end.x - map.resolution - more - jp_navigator_place(&navigator).point.x;
+        (void)jp_navigator_work(&navigator);
+        TEST_ASSERT_EQUAL_UINT16(more > 0 ? 1 : 0, navigator.replans);
+        TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
+    }
+}
+
 /* ---- Requests ---- */
 
 static void test_stops(void)

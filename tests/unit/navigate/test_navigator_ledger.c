@@ -1,4 +1,5 @@
 /* What drives of the navigator take beyond their first courses: a new robot's belief, and what it learns of each. */
+#include "src/navigate/navigator_ledger.h"
 #include "tests/support/navigator_rig.h"
 #include "tests/target/random.h"
 
@@ -120,6 +121,78 @@ static void test_the_deviation_is_that_of_drives(void)
     TEST_ASSERT_TRUE(told * told > 0.25 * variance && told * told < 2.25 * variance);
 }
 
+/* ---- One drive of any robot ---- */
+
+/* At random, at most this. */
+static jp_q16 up_to(uint32_t *state, jp_q16 most)
+{
+    return (jp_q16)(target_random(state) % ((uint32_t)most + 1U));
+}
+
+static struct jp_stand_energy any_stand(uint32_t *state)
+{
+    return (struct jp_stand_energy){up_to(state, JP_Q16(20)) - JP_Q16(10), up_to(state, JP_Q16(5)),
+                                    (uint16_t)(1U + target_random(state) % 64U),
+                                    (uint16_t)(1U + target_random(state) % 15U)};
+}
+
+/* A drive whose first course had so many stands, and that took so much more or less than it was forecast to take. */
+static void end_drive_of(uint16_t stands, jp_q16 forecast, jp_q16 taken)
+{
+    navigator.internal.drive = (struct jp_navigator_drive){forecast, robot.view.spent, stands};
+    robot.view.spent = (jp_q16)((uint32_t)robot.view.spent + (uint32_t)taken);
+    jp_ledger_end(&navigator);
+}
+
+/* A root of whole numbers, rounded once or twice on the way. */
+static void expect_root(double square, jp_q16 root)
+{
+    const double low = root > 2 ? (double)root - 2 : 0;
+    const double high = (double)root + 2;
+
+    TEST_ASSERT_TRUE(low * low <= square && square <= high * high);
+}
+
+/* The mean moves by the new stands' part of all that it is known by then; the variance of one stand is the mean of the
+ * drives', and a drive's is what it was off by, squared, as the sum of its stands and the error of the mean explain it.
+ */
+static void test_each_drive_moves_mean_and_variance_by_its_weight(void)
+{
+    uint32_t state = 7;
+
+    init();
+    for (unsigned i = 0; i < 300; i++) {
+        const struct jp_stand_energy before = any_stand(&state);
+        const uint16_t stands = (uint16_t)(1U + target_random(&state) % (i % 2U == 0U ? 4U : 400U));
+        const jp_q16 forecast = up_to(&state, JP_Q16(2000));
+        const jp_q16 taken = 1 + up_to(&state, JP_Q16(2000));
+        const double known = before.stands;
+        const double off = (double)taken - forecast - (double)stands * before.mean;
+        const double of_drive = off * off * known / (stands * (known + stands));
+        const double variance = (double)before.deviation * before.deviation;
+
+        navigator.stand = before;
+        end_drive_of(stands, forecast, taken);
+        TEST_ASSERT_INT32_WITHIN(1, (jp_q16)(before.mean + off / (known + stands)), navigator.stand.mean);
+        expect_root((variance * before.drives + of_drive) / (before.drives + 1), navigator.stand.deviation);
+        TEST_ASSERT_EQUAL_UINT16(before.stands + stands < 64 ? before.stands + stands : 64, navigator.stand.stands);
+        TEST_ASSERT_EQUAL_UINT16(before.drives < 15 ? before.drives + 1 : 15, navigator.stand.drives);
+    }
+}
+
+/* However little a vehicle counts: it does. */
+static void test_the_least_that_is_counted_teaches(void)
+{
+    for (jp_q16 taken = -1; taken <= 1; taken++) {
+        init();
+        navigator.stand = (struct jp_stand_energy){JP_Q16(1), JP_Q16(1), 2, 1};
+        end_drive_of(1, JP_Q16(1), taken);
+        TEST_ASSERT_EQUAL_UINT16(taken > 0 ? 2 : 1, navigator.stand.drives);
+    }
+}
+
+/* ---- What is left ---- */
+
 static void test_what_is_left_falls_with_the_stands(void)
 {
     init();
@@ -208,12 +281,16 @@ static void test_of_a_drive_that_is_planned_anew_the_first_course_counts(void)
 static void test_less_than_nothing_is_nothing(void)
 {
     init();
-    navigator.stand = (struct jp_stand_energy){JP_Q16(-3), JP_Q16(0.1), 64, 15};
     go(18, 0);
+    for (jp_q16 sum = -3; sum <= 3; sum++) {
+        navigator.stand = (struct jp_stand_energy){sum - LEG, JP_Q16(0.1), 64, 15};
+        TEST_ASSERT_EQUAL_INT32(sum > 0 ? sum : 0, left().energy);
+    }
+    navigator.stand.mean = JP_Q16(-30);
     TEST_ASSERT_EQUAL_INT32(0, left().energy);
 }
 
-/* Energies at the end of their format, and courses of more stands than are counted. */
+/* Energies at the end of their format. */
 static void test_extremes(void)
 {
     const jp_q16 extremes[] = {INT32_MIN, -1, 0, 1, INT32_MAX};

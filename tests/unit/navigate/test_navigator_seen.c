@@ -212,6 +212,20 @@ static void test_a_goal_that_drift_has_closed_is_tried_again(void)
     TEST_ASSERT_EQUAL_UINT8(1, navigator.forgets);
 }
 
+/* Slices of eight expansions: the last of them may be more than it needed. */
+static void test_it_looks_round_for_its_patience(void)
+{
+    for (uint32_t patience = 785; patience <= 808; patience++) {
+        setUp();
+        config.patience = patience;
+        begin(18, 4);
+        drive_a_little();
+        see_wall(13);
+        work_until_it_forgets();
+        TEST_ASSERT_EQUAL_UINT32((patience + 7U) / 8U, slices_of_look());
+    }
+}
+
 static void test_what_it_still_sees_proves_that_no_route_leads_there(void)
 {
     begin(18, 4);
@@ -309,6 +323,7 @@ static void test_a_proof_in_little_memory_may_mislead_too(void)
     see_wall(17);
     TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_PROVING));
     work_until_it_forgets();
+    TEST_ASSERT_EQUAL_UINT32(100, slices_of_look());
     TEST_ASSERT_TRUE(work_until(JP_NAVIGATOR_ARRIVED));
     expect_at(20, 18);
 }
