@@ -7,6 +7,11 @@
 
 #define WORD_BITS 32U
 
+static uint32_t words_of(const struct jp_terrain *terrain)
+{
+    return (terrain->config.width + WORD_BITS - 1U) / WORD_BITS;
+}
+
 /** Of a row of the map 32 cells: what is blocked. Beyond its sides all is. */
 static uint32_t blocked_word(const struct jp_terrain *terrain, int32_t row, int32_t word)
 {
@@ -43,7 +48,7 @@ static void bar_by_run(const struct jp_terrain *terrain, int32_t y, int32_t dx, 
     uint32_t cells = blocked_word(terrain, y, first + 1);
     uint32_t near = blocked_within(blocked_word(terrain, y, first), cells, count);
 
-    for (uint32_t i = 0; i < terrain->stride; i++) {
+    for (uint32_t i = 0; i < words_of(terrain); i++) {
         const uint32_t next = blocked_word(terrain, y, first + (int32_t)i + 2);
         const uint32_t far = blocked_within(cells, next, count);
 
@@ -60,7 +65,7 @@ static void bar_by_span(const struct jp_terrain *terrain, const struct jp_span *
     const int32_t row = y + moved.dy + span->y;
 
     if (!terrain_contains(terrain, 0, row)) {
-        (void)memset(barred, 0xFF, terrain->stride * sizeof *barred);
+        (void)memset(barred, 0xFF, words_of(terrain) * sizeof *barred);
         return;
     }
     for (int32_t done = 0; done <= span->last - span->first; done += (int32_t)WORD_BITS) {
@@ -91,7 +96,7 @@ void jp_barred_steps(const struct jp_lattice *lattice, const struct jp_terrain *
     const struct jp_primitive *primitive = step->primitive;
     uint32_t barred[JP_TERRAIN_SIDE_MAX / WORD_BITS];
 
-    (void)memset(barred, primitive == NULL ? 0xFF : 0, terrain->stride * sizeof barred[0]);
+    (void)memset(barred, primitive == NULL ? 0xFF : 0, words_of(terrain) * sizeof barred[0]);
     for (unsigned i = 0; primitive != NULL && i < primitive->span_count; i++) {
         bar_by_span(terrain, &lattice->spans[primitive->first_span + i], step->begin, y, barred);
     }

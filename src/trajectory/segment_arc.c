@@ -49,6 +49,9 @@ void jp_arc_at(int32_t x, struct jp_arc *arc)
 static int32_t square_of_sinc(int32_t sinc)
 {
     int32_t u = (JP_SINC_ONE - sinc) * 2; /* Q30 */
+
+    u = u < 1 ? 1 : u;
+
     int32_t series = Q30_ONE + multiply32(u, 1288490189) + multiply32(multiply32(u, u) << 2, 1202590843);
 
     return multiply32(multiply32(u, 1305455232) << 2, series) << 1;

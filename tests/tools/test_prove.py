@@ -161,4 +161,4 @@ def test_what_the_project_lists_is_explained_and_does_not_grow():
     """`make prove` is no part of `make test`; who adds an alarm raises this number, and says why."""
     listed = prove.read_listed(prove.ALARMS).values()
     assert all(entry.explained for entry in listed)
-    assert sum(entry.count for entry in listed) <= 1297
+    assert sum(entry.count for entry in listed) <= 1296
