@@ -199,7 +199,7 @@ static void test_what_was_known_counts_by_its_information(void)
         match(&prior);
         share = 1.0f / (1.0f + (float)i);
         TEST_ASSERT_NEAR(6.0e-4f, WALL - FAR + 0.02f * (1.0f - share), fit.pose.x);
-        TEST_ASSERT_NEAR(0.06f * weight_of_all(), (1.0f + (float)i) * weight_of_all(), fit.information[0][0]);
+        TEST_ASSERT_NEAR(0.06f, 1.0f + (float)i, fit.information[0][0] / weight_of_all());
         TEST_ASSERT_NEAR(0.05f, (float)i * weight_of_all() * 0.0004f * share * share, fit.surprise);
     }
 }
